@@ -106,6 +106,57 @@ TEST(Blades, ForwardIsInTheSenseOfTheHub) {
   }
 }
 
+/// A nacelle that is drawn upright and tilted by a drive carries the hub: the sense is that of the hub as it
+/// is.
+TEST(Blades, TurnWithTheHub) {
+  for (const double tilt : {0.0, 2.0, 3.0}) {
+    std::string text = rotor(4, 7);
+    const auto replace = [&](const std::string& from, const std::string& to) {
+      text.replace(text.find(from), from.size(), to);
+    };
+    replace("bodies:\n", "bodies:\n  nacelle: {mass: 5, com: [0, 0, 0], inertia: [1, 1, 1]}\n");
+    replace("between: [ground, hub]", "between: [nacelle, hub]");
+    text += fmt::format(
+        "  tilt: {{type: revolute, between: [ground, nacelle], at: [0, 0, 0], axis: [1, 0, 0], drive: "
+        "{{position: "
+        "{}}}}}\n",
+        tilt);
+    int checked = 0;
+    for (const LinearisedModes found = modes_of(text); const Mode& mode : found.modes) {
+      if (mode.blades.empty() || (mode.blades[0].name != "forward" && mode.blades[0].name != "backward"))
+        continue;
+      const auto of = [&](const std::string& name) {
+        for (std::size_t k = 0; k < found.coordinates.size(); ++k)
+          if (found.coordinates[k].name == name) return mode.motion[static_cast<Eigen::Index>(k)];
+        throw std::runtime_error(name);
+      };
+      EXPECT_NEAR(std::arg(of("inj1") / of("inj0")),
+                  (mode.blades[0].name == "forward" ? -1 : 1) * std::numbers::pi / 2, 1e-6)
+          << mode.text << ", " << tilt;
+      ++checked;
+    }
+    EXPECT_EQ(checked, 4);
+  }
+}
+
+/// Two rotors with equal blades on hubs of their own have modes of equal eigenvalues.
+TEST(Blades, OfTwoEqualRotorsAreWaves) {
+  std::string text = rotor(3, 7), other = text;
+  const std::size_t bodies = other.find("bodies:\n") + 8, joints = other.find("joints:\n");
+  std::string more_bodies = other.substr(bodies, joints - bodies), more_joints = other.substr(joints + 8);
+  for (std::string* part : {&more_bodies, &more_joints})
+    for (const std::string name : {"hub", "inj", "outj", "turn", "in0", "in1", "in2", "out0", "out1", "out2"})
+      for (std::size_t at = 0; (at = part->find(name, at)) != std::string::npos; at += name.size() + 1)
+        if (at == 0 || (std::isalnum(static_cast<unsigned char>((*part)[at - 1])) == 0))
+          part->insert(at, "x");
+  text.insert(text.find("joints:\n"), more_bodies);
+  text += more_joints;
+  const std::multiset<std::string> found = waves(modes_of(text));
+  EXPECT_EQ(found.count("collective"), 4u);
+  EXPECT_EQ(found.count("forward"), 4u);
+  EXPECT_EQ(found.count("backward"), 4u);
+}
+
 TEST(Blades, AreEqual) {
   EXPECT_TRUE(waves(modes_of(rotor(3, 7, 1.01))).empty());
   EXPECT_FALSE(waves(modes_of(rotor(3, 7))).empty());

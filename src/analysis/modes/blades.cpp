@@ -69,6 +69,7 @@ class Copies {
     return true;
   }
 
+  /// Whether b is a, turned about the axis through `centre` by D, with its joint.
   bool is_turned(int a, int b, const Vec3d& centre, const Mat3d& D, double length) const {
     const Placed x = placed_body(a), y = placed_body(b);
     if ((centre + D * (x.centre - centre) - y.centre).norm() > copied * length) return false;
@@ -76,6 +77,7 @@ class Copies {
     const BodyData& body = m_.bodies[static_cast<std::size_t>(a)];
     if (body.modes > 0 && (D * x.axes - y.axes).norm() > copied) return false;
     if (!joint_is_turned(a, b, D)) return false;
+    if ((centre + D * (joint_place(a) - centre) - joint_place(b)).norm() > copied * length) return false;
     for (std::size_t k = 0; k < children(a).size(); ++k)
       if (!is_turned(children(a)[k], children(b)[k], centre, D, length)) return false;
     return true;
@@ -95,6 +97,13 @@ class Copies {
     const BodyData& b = m_.bodies[static_cast<std::size_t>(body)];
     const Mat3d carrier = b.parent < 0 ? Mat3d(Mat3d::Identity()) : Mat3d(spec_of(b.parent).pose.rotation);
     return carrier * m_.frames[static_cast<std::size_t>(b.inboard_frame)].rotation;
+  }
+  Vec3d joint_place(int body) const {
+    const BodyData& b = m_.bodies[static_cast<std::size_t>(body)];
+    const Vec3d& place = m_.frames[static_cast<std::size_t>(b.inboard_frame)].position;
+    if (b.parent < 0) return place;
+    const spec::Pose& carrier = spec_of(b.parent).pose;
+    return carrier.position + carrier.rotation * place;
   }
   /// The axes of its coordinates, or all where these are not along such.
   bool joint_is_turned(int a, int b, const Mat3d& D) const {
@@ -200,15 +209,16 @@ Eigen::MatrixXcd waves_of(const Blades& blades, Eigen::MatrixXcd X) {
           turned_by(harmonic * blades.angles[static_cast<std::size_t>(k)]) * X.middleRows(k * size, size);
     // The projector on the wave, where the columns span such waves.
     Eigen::MatrixXcd P = amplitude.adjoint() * amplitude / n;
-    if ((P * P - P).norm() > nothing_left_over) return Eigen::MatrixXcd(count, 0);
     for (Eigen::Index found = 0; found < count; ++found) {
       Eigen::Index most = 0;
       if (!(P.colwise().norm().maxCoeff(&most) > 0.5 / std::sqrt(double(count)))) break;
       const Eigen::VectorXcd column = P.col(most).normalized();
+      if ((P * column - column).norm() > nothing_left_over) return Eigen::MatrixXcd(count, 0);
       out.conservativeResize(count, out.cols() + 1);
       out.col(out.cols() - 1) = T * column;
       P -= column * (column.adjoint() * P);
     }
+    if (P.norm() > nothing_left_over) return Eigen::MatrixXcd(count, 0);
   }
   return out.cols() == count ? out : Eigen::MatrixXcd(count, 0);
 }
@@ -241,6 +251,20 @@ std::vector<Blades> find_blades(const Compiled& m) {
   return out;
 }
 
+std::vector<Blades> joined(const std::vector<Blades>& rotors) {
+  std::vector<Blades> out = rotors;
+  for (std::size_t k = 0; k < rotors.size(); ++k) {
+    Blades all = rotors[k];
+    for (std::size_t other = k + 1; other < rotors.size(); ++other)
+      if (rotors[other].angles.size() == all.angles.size())
+        for (std::size_t b = 0; b < all.coordinates.size(); ++b)
+          all.coordinates[b].insert(all.coordinates[b].end(), rotors[other].coordinates[b].begin(),
+                                    rotors[other].coordinates[b].end());
+    if (all.coordinates[0].size() > rotors[k].coordinates[0].size()) out.push_back(std::move(all));
+  }
+  return out;
+}
+
 std::vector<ModeShare> blade_waves(const Blades& blades, const Eigen::VectorXcd& motion,
                                    const std::vector<double>& scales, const Vec3d& turning) {
   const auto n = static_cast<int>(blades.coordinates.size());
@@ -265,30 +289,39 @@ std::vector<ModeShare> blade_waves(const Blades& blades, const Eigen::VectorXcd&
   return out;
 }
 
-std::vector<std::size_t> separate_waves(const Blades& blades, const Eigen::MatrixXd& position,
-                                        const std::vector<double>& scales, std::vector<Mode>& modes) {
+std::vector<std::size_t> separate_waves(const std::vector<Blades>& rotors, const Eigen::MatrixXd& position,
+                                        const std::vector<double>& scales, std::vector<Mode>& modes,
+                                        std::vector<char>& mixed) {
+  mixed.assign(modes.size(), 0);
   std::vector<std::size_t> changed;
+  if (rotors.empty()) return changed;
   for (std::size_t first = 0, last = 0; first < modes.size(); first = last) {
     const std::complex<double> value = modes[first].value;
     for (last = first + 1; last < modes.size(); ++last)
       if (!(std::abs(modes[last].value - value) <= equal * std::abs(value))) break;
-    if (modes[first].kind != Mode::Kind::oscillating || last - first < 2) continue;
+    if (last - first < 2) continue;
+    std::fill(mixed.begin() + static_cast<std::ptrdiff_t>(first),
+              mixed.begin() + static_cast<std::ptrdiff_t>(last), 1);
+    if (modes[first].kind != Mode::Kind::oscillating) continue;
     const auto count = static_cast<Eigen::Index>(last - first);
     Eigen::MatrixXcd shapes(modes[first].shape.size(), count), left(shapes.rows(), count);
     for (Eigen::Index k = 0; k < count; ++k) {
       shapes.col(k) = modes[first + static_cast<std::size_t>(k)].shape;
       left.col(k) = modes[first + static_cast<std::size_t>(k)].left;
     }
-    const Eigen::MatrixXcd waves =
-        waves_of(blades, of_blades(blades, position.cast<std::complex<double>>() * shapes, scales));
+    const Eigen::MatrixXcd motions = position.cast<std::complex<double>>() * shapes;
+    Eigen::MatrixXcd waves(count, 0);
+    for (std::size_t k = 0; k < rotors.size() && waves.cols() != count; ++k)
+      waves = waves_of(rotors[k], of_blades(rotors[k], motions, scales));
     if (waves.cols() != count) continue;
     shapes *= waves;
     left *= complex_inverse(waves).adjoint();
     for (Eigen::Index k = 0; k < count; ++k) {
-      Mode& mode = modes[first + static_cast<std::size_t>(k)];
-      mode.shape = shapes.col(k);
-      mode.left = left.col(k);
-      changed.push_back(first + static_cast<std::size_t>(k));
+      const std::size_t at = first + static_cast<std::size_t>(k);
+      modes[at].shape = shapes.col(k);
+      modes[at].left = left.col(k);
+      mixed[at] = 0;
+      changed.push_back(at);
     }
   }
   return changed;

@@ -80,8 +80,12 @@ ModeShares::ModeShares(const Linearised& at)
     stiffness_.emplace_back(on.stiffness, on.stiffness + e.count * e.count);
   }
   blades_ = find_blades(m_);
-  for (const Blades& b : blades_)
-    hub_spins_.emplace_back(system_.workspace().bodies[static_cast<std::size_t>(b.hub)].omega);
+  for (const Blades& b : blades_) {
+    const auto hub = static_cast<std::size_t>(b.hub);
+    const Motion<double>& now = system_.workspace().bodies[hub];
+    const Mat3d& drawn = m_.spec().bodies[static_cast<std::size_t>(m_.bodies[hub].spec)].pose.rotation;
+    hub_spins_.emplace_back(drawn * (now.rotation.transpose() * now.omega));
+  }
   double fastest = 0;
   for (const Motion<double>& body : system_.workspace().bodies)
     if (body.omega.norm() > fastest) {
@@ -300,7 +304,7 @@ VectorXcd ModeShares::momentum(const VectorXcd& v) {
   return out;
 }
 
-void ModeShares::describe(Mode& mode) {
+void ModeShares::describe(Mode& mode, bool mixed) {
   const Reduced& r = at_.reduced;
   const auto states = r.A.cols();
   mode.motion = r.position.leftCols(states).cast<std::complex<double>>() * mode.shape;
@@ -313,16 +317,16 @@ void ModeShares::describe(Mode& mode) {
   // With rolling, K is not square: no energy goes by it.
   const bool square = r.coordinates == r.speeds;
   describe(mode, moves, at_.derivatives.mass.cast<std::complex<double>>() * moves,
-           square ? 0.5 * std::real(y.dot(r.stiffness.cast<std::complex<double>>() * y)) : 0);
+           square ? 0.5 * std::real(y.dot(r.stiffness.cast<std::complex<double>>() * y)) : 0, mixed);
   if (!square) mode.gravity = 0;
 }
 
-void ModeShares::describe_motion(Mode& mode, double stiffness_energy) {
-  describe(mode, mode.motion, momentum(mode.motion), stiffness_energy);
+void ModeShares::describe_motion(Mode& mode, double stiffness_energy, bool mixed) {
+  describe(mode, mode.motion, momentum(mode.motion), stiffness_energy, mixed);
 }
 
 void ModeShares::describe(Mode& mode, const VectorXcd& moves, const VectorXcd& momentum,
-                          double stiffness_energy) {
+                          double stiffness_energy, bool mixed) {
   VectorXd energy(moves.size());
   for (Eigen::Index k = 0; k < moves.size(); ++k)
     energy[k] = std::abs(std::real(std::conj(moves[k]) * momentum[k]));
@@ -339,7 +343,7 @@ void ModeShares::describe(Mode& mode, const VectorXcd& moves, const VectorXcd& m
   sort_shares(mode.bodies);
   add_elastic(mode.motion, mode, stiffness_energy);
   find_whirl(mode.motion, mode);
-  find_waves(energy, mode);
+  if (!mixed) find_waves(energy, mode);
   mode.text = words(mode, mode.shape);
 }
 

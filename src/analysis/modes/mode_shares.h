@@ -14,14 +14,15 @@ class ModeShares {
   explicit ModeShares(const Linearised& at);
 
   /// Fills shares, whirl and text of a mode whose shape, kind and eigenvalue are set.
-  void describe(Mode& mode);
+  /// `mixed`: it is any vector of those of one eigenvalue, so that there are no waves of blades.
+  void describe(Mode& mode, bool mixed);
   /// The same of a mode whose motion, kind and eigenvalue are set, at rest: no matrices are needed.
   /// `stiffness_energy`: its mean energy by the whole stiffness, J.
-  void describe_motion(Mode& mode, double stiffness_energy);
+  void describe_motion(Mode& mode, double stiffness_energy, bool mixed);
 
  private:
   void describe(Mode& mode, const Eigen::VectorXcd& moves, const Eigen::VectorXcd& momentum,
-                double stiffness_energy);
+                double stiffness_energy, bool mixed);
   Eigen::VectorXcd momentum(const Eigen::VectorXcd& v);
   /// Velocities of bodies (origin and angular, global) and rates of what elements measure at velocities v.
   struct Rates {
@@ -51,8 +52,9 @@ class ModeShares {
   bool flexible_ = false;                       ///< some body is
   std::vector<std::vector<double>> stiffness_;  ///< of elements, at the point
   std::vector<Blades> blades_;
-  std::vector<Vec3d> hub_spins_;  ///< of each of these, the angular velocity of the hub
-  Vec3d axis_ = Vec3d::Zero();    ///< of the fastest turning of a body, zero: none
+  std::vector<Vec3d>
+      hub_spins_;               ///< of each of these, the angular velocity of the hub, in the drawn position
+  Vec3d axis_ = Vec3d::Zero();  ///< of the fastest turning of a body, zero: none
 };
 
 /// What a velocity coordinate is in words: "revolute joint's name", "chassis along z", "mode 2 of arm".

@@ -313,18 +313,17 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
     out.model.notes.push_back("there are no multipliers of a period: " + why);
   }
   // Before some are left out, which may be of a group.
-  for (const linear::Blades& blades : linear::find_blades(m))
-    for (const std::size_t k :
-         linear::separate_waves(blades, at.reduced.position.leftCols(at.reduced.A.cols()),
-                                system.scales().coordinates, out.modes))
-      set_vectors(out.modes[k],
-                  VectorXcd(out.modes[k].shape.cwiseQuotient(scale.cast<std::complex<double>>())),
-                  VectorXcd(out.modes[k].left.cwiseProduct(scale.cast<std::complex<double>>())),
-                  at.reduced.coordinates, scale);
+  std::vector<char> mixed;
+  for (const std::size_t k : linear::separate_waves(linear::joined(linear::find_blades(m)),
+                                                    at.reduced.position.leftCols(at.reduced.A.cols()),
+                                                    system.scales().coordinates, out.modes, mixed))
+    set_vectors(out.modes[k], VectorXcd(out.modes[k].shape.cwiseQuotient(scale.cast<std::complex<double>>())),
+                VectorXcd(out.modes[k].left.cwiseProduct(scale.cast<std::complex<double>>())),
+                at.reduced.coordinates, scale);
   if (options.most > 0 && std::ssize(out.modes) > options.most)
     out.modes.resize(static_cast<std::size_t>(options.most));
   linear::ModeShares shares(at);
-  for (Mode& mode : out.modes) shares.describe(mode);
+  for (std::size_t k = 0; k < out.modes.size(); ++k) shares.describe(out.modes[k], mixed[k] != 0);
   out.turning = at.turning;
   out.cpu_seconds = thread_cpu_seconds() - start;
   return out;

@@ -44,6 +44,15 @@ class RelativeMotions {
   State natural_, relative_;
 };
 
+/// Whether the eigenvalue is that of a neighbour, too.
+bool equal_values(const VectorXcd& values, Eigen::Index k) {
+  const auto same = [&](Eigen::Index other) {
+    return other >= 0 && other < values.size() &&
+           std::abs(values[other] - values[k]) <= 1e-7 * std::abs(values[k]);
+  };
+  return same(k - 1) || same(k + 1);
+}
+
 /// The motions found, in relative coordinates, with names and shares of energy.
 LinearisedModes described(const Linearised& located, const State& relative, const SparseEquations& equations,
                           const linalg::ConstrainedModes& found, const relative::RelativeSystem& observer,
@@ -62,13 +71,13 @@ LinearisedModes described(const Linearised& located, const State& relative, cons
   ModeShares shares(at);
   const VectorXd scale = Eigen::Map<const VectorXd>(observer.scales().coordinates.data(), m.velocities);
   /// `stiffness`: that of the motion before it is normalised.
-  const auto add = [&](Mode mode, const VectorXcd& motion, double stiffness) {
+  const auto add = [&](Mode mode, const VectorXcd& motion, double stiffness, bool mixed) {
     mode.motion = motion;
     const std::complex<double> factor = normalise(mode.motion, mode.motion.size(), scale);
     mode.shape.resize(2 * mode.motion.size());
     mode.shape << mode.motion, mode.value * mode.motion;
     mode.left = VectorXcd::Zero(mode.shape.size());
-    shares.describe_motion(mode, 0.5 * std::norm(factor) * stiffness);
+    shares.describe_motion(mode, 0.5 * std::norm(factor) * stiffness, mixed);
     out.modes.push_back(std::move(mode));
   };
   MatrixXd rigid(m.velocities, found.rigid.cols());
@@ -79,13 +88,13 @@ LinearisedModes described(const Linearised& located, const State& relative, cons
   for (Eigen::Index k = 0; k < rigid.cols(); ++k) {
     Mode mode;
     mode.kind = Mode::Kind::rigid;
-    add(std::move(mode), rigid.col(k).cast<std::complex<double>>(), 0);
+    add(std::move(mode), rigid.col(k).cast<std::complex<double>>(), 0, rigid.cols() > 1);
   }
   for (Eigen::Index k = 0; k < found.values.size(); ++k) {
     const VectorXcd x = found.vectors.col(k), stiff = equations.pencil.K.cast<std::complex<double>>() * x;
     add(mode_of(found.values[k], 0),
         motions.of(VectorXcd(equations.scale.cast<std::complex<double>>().cwiseProduct(x))),
-        std::real(x.dot(stiff)));
+        std::real(x.dot(stiff)), equal_values(found.values, k));
   }
   return out;
 }
