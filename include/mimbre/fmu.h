@@ -16,7 +16,7 @@ struct FmuOptions {
   bool binary_only = false;  ///< without the sources
   /// Of co-simulation: the library itself inside, as a binary, in place of code for the model. It takes
   /// whatever a run takes, with the method of a run.
-  bool library = false;
+  bool with_library = false;
   double reference = 1;  ///< s of a run whose result goes along; 0: none
 };
 
@@ -39,9 +39,9 @@ struct FmuCode {
   GeneratedCode code;
   FmuOptions::Kind kind = FmuOptions::Kind::co_simulation;
   int version = 3;
-  bool library = false;  ///< calls the library: runs where its runtime is at hand, as in the FMU
-  std::string token;     ///< by which a model description and a binary know each other
-  std::string wrapper;   ///< C99, the file fmi2.c or fmi3.c
+  bool with_library = false;  ///< calls the library: runs where its runtime is at hand, as in the FMU
+  std::string token;          ///< by which a model description and a binary know each other
+  std::string wrapper;        ///< C99, the file fmi2.c or fmi3.c
   std::vector<FmuVariable> variables;
 };
 

@@ -39,7 +39,7 @@ std::tuple<std::vector<std::string>, std::string> fmu(const LoadedModel& m, cons
   options.kind = kind == "me" ? FmuOptions::Kind::model_exchange : FmuOptions::Kind::co_simulation;
   options.name = name_or(m, name);
   options.binary_only = binary_only;
-  options.library = library;
+  options.with_library = library;
   const WrittenFmu written = write_fmu(m.model, method.options(m.model->spec().simulation), options, path);
   return {written.left_out, written.without_binary};
 }

@@ -21,17 +21,17 @@ const char* const sliding =
     "actuators: {a: {joint: j, force: push}}\n"
     "signals: {twice: 2*push}\n";
 
-FmuOptions with_library(int version) {
+FmuOptions options_of(int version) {
   FmuOptions options;
   options.version = version;
   options.name = "sliding";
-  options.library = true;
+  options.with_library = true;
   return options;
 }
 
 TEST(LibraryFmu, IsC99WithoutWarnings) {
   for (const int version : {2, 3}) {
-    const FmuCode fmu = generate_fmu(model_of(sliding), {}, with_library(version));
+    const FmuCode fmu = generate_fmu(model_of(sliding), {}, options_of(version));
     const std::string folder = fmu_sources(fmu, "library");
     EXPECT_EQ(
         printed_by(fmt::format("cc -std=c99 -fsyntax-only -Wall -Wextra -Wpedantic -Werror {0}/sliding.c "
@@ -42,9 +42,9 @@ TEST(LibraryFmu, IsC99WithoutWarnings) {
 }
 
 TEST(LibraryFmu, HasTheVariablesOfCode) {
-  FmuOptions options = with_library(3);
+  FmuOptions options = options_of(3);
   const FmuCode library = generate_fmu(model_of(sliding), {}, options);
-  options.library = false;
+  options.with_library = false;
   const FmuCode code = generate_fmu(model_of(sliding), {}, options);
   ASSERT_EQ(library.variables.size(), code.variables.size());
   for (std::size_t k = 0; k < code.variables.size(); ++k) {
@@ -61,22 +61,22 @@ TEST(LibraryFmu, HasTheVariablesOfCode) {
 TEST(LibraryFmu, StartsWithTheInputsThatAreGiven) {
   RunOptions options;
   options.inputs["push"] = 5;
-  const FmuCode fmu = generate_fmu(model_of(sliding), options, with_library(3));
+  const FmuCode fmu = generate_fmu(model_of(sliding), options, options_of(3));
   EXPECT_EQ(fmu.variables.at(1).start, 5);
   options.inputs["pull"] = 5;
-  EXPECT_THAT([&] { generate_fmu(model_of(sliding), options, with_library(3)); },
+  EXPECT_THAT([&] { generate_fmu(model_of(sliding), options, options_of(3)); },
               testing::ThrowsMessage<InputError>(HasSubstr("'pull'")));
 }
 
 TEST(LibraryFmu, RefusesOptionsThatDoNotGoTogether) {
-  FmuOptions exchange = with_library(3);
+  FmuOptions exchange = options_of(3);
   exchange.kind = FmuOptions::Kind::model_exchange;
   EXPECT_THAT([&] { generate_fmu(model_of(sliding), {}, exchange); },
               testing::ThrowsMessage<InputError>(HasSubstr("co-simulation alone")));
   RunOptions options;
   options.integrator = spec::Simulation::Integrator::newmark;
   options.rho = 0.5;
-  EXPECT_THAT([&] { generate_fmu(model_of(sliding), options, with_library(3)); },
+  EXPECT_THAT([&] { generate_fmu(model_of(sliding), options, options_of(3)); },
               testing::ThrowsMessage<InputError>(HasSubstr("rho")));
 }
 

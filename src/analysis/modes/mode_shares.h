@@ -20,6 +20,9 @@ class ModeShares {
   /// `stiffness_energy`: its mean energy by the whole stiffness, J.
   void describe_motion(Mode& mode, double stiffness_energy, bool mixed);
 
+  /// Of the mechanism.
+  const std::vector<Blades>& blades() const { return blades_; }
+
  private:
   void describe(Mode& mode, const Eigen::VectorXcd& moves, const Eigen::VectorXcd& momentum,
                 double stiffness_energy, bool mixed);

@@ -312,9 +312,10 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
   } else if (!why.empty()) {
     out.model.notes.push_back("there are no multipliers of a period: " + why);
   }
+  linear::ModeShares shares(at);
   // Before some are left out, which may be of a group.
   std::vector<char> mixed;
-  for (const std::size_t k : linear::separate_waves(linear::joined(linear::find_blades(m)),
+  for (const std::size_t k : linear::separate_waves(linear::joined(shares.blades()),
                                                     at.reduced.position.leftCols(at.reduced.A.cols()),
                                                     system.scales().coordinates, out.modes, mixed))
     set_vectors(out.modes[k], VectorXcd(out.modes[k].shape.cwiseQuotient(scale.cast<std::complex<double>>())),
@@ -322,7 +323,6 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
                 at.reduced.coordinates, scale);
   if (options.most > 0 && std::ssize(out.modes) > options.most)
     out.modes.resize(static_cast<std::size_t>(options.most));
-  linear::ModeShares shares(at);
   for (std::size_t k = 0; k < out.modes.size(); ++k) shares.describe(out.modes[k], mixed[k] != 0);
   out.turning = at.turning;
   out.cpu_seconds = thread_cpu_seconds() - start;

@@ -49,7 +49,7 @@ Command add_fmu(CommandLine& program) {
       .type_name("NAME");
   parser.add_flag("--binary-only", a->fmu.binary_only, "Without the sources");
   parser.add_flag(
-      "--library", a->fmu.library,
+      "--library", a->fmu.with_library,
       "With the library inside in place of code for the model: for\nwhatever a run takes; a binary "
       "alone");
   add_set_option(parser, a->settings);

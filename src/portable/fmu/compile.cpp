@@ -1,6 +1,6 @@
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <link.h>
 #include <spawn.h>
 #include <sys/utsname.h>
 #include <sys/wait.h>
@@ -72,19 +72,11 @@ bool run(std::vector<std::string> words, const std::string& printed, int& status
   return ended == process;
 }
 
-/// The file of a shared library of this process, by the beginning of its name; empty: it has none such.
-std::string loaded_library(const std::string& beginning) {
-  std::pair<std::string, std::string> search(beginning, "");
-  dl_iterate_phdr(
-      [](dl_phdr_info* info, std::size_t, void* data) {
-        auto& [wanted, found] = *static_cast<std::pair<std::string, std::string>*>(data);
-        const fs::path path = info->dlpi_name ? info->dlpi_name : "";
-        if (path.filename().string().rfind(wanted, 0) != 0) return 0;
-        found = path.string();
-        return 1;
-      },
-      &search);
-  return search.second;
+/// The file that this process has the library of formats from: that library, or what contains it.
+std::string file_of_formats() {
+  std::string (*const function)(fmt::string_view, fmt::format_args) = &fmt::vformat;
+  Dl_info info{};
+  return dladdr(reinterpret_cast<void*>(function), &info) != 0 && info.dli_fname ? info.dli_fname : "";
 }
 
 /// The runtime, under a name that no other version has, and what it needs that not every machine has: the
@@ -97,10 +89,9 @@ ArchiveFiles runtime_files() {
   digest.add(bytes);
   ArchiveFiles out{
       {fmt::format("libmimbre-{}-{}.so", build_info().version, digest.hex().substr(0, 8)), bytes}};
-  constexpr const char* formats = "libfmt";
-  const std::size_t at = bytes.find(std::string(formats) + ".so");
-  if (at == std::string::npos) return out;
-  if (const std::string file = loaded_library(formats); !file.empty())
+  const std::size_t at = bytes.find("libfmt.so");
+  const std::string file = file_of_formats();
+  if (at != std::string::npos && fs::path(file).filename().string().starts_with("libfmt"))
     out.emplace_back(bytes.c_str() + at, content(file));
   return out;
 }
@@ -145,7 +136,7 @@ FmuBinary compile_fmu(const FmuCode& fmu) {
                                  library,
                                  folder.file(code),
                                  folder.file(wrapper)};
-  if (fmu.library) {
+  if (fmu.with_library) {
     out.with = runtime_files();
     if (out.with.empty()) {
       out.message = "this mimbre was built without the runtime that FMUs take along";

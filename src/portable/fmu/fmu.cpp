@@ -117,15 +117,15 @@ FmuCode generate_fmu(const std::shared_ptr<const Model>& model, const RunOptions
                      fmt::format("there is no version {} of FMI here: 2 or 3 is needed", fmu.version));
   FmuCode out;
   const bool exchange = fmu.kind == FmuOptions::Kind::model_exchange;
-  if (fmu.library && exchange)
+  if (fmu.with_library && exchange)
     throw InputError(Mark{}, "the library makes steps of its own: it is for co-simulation alone");
   out.version = fmu.version;
   out.kind = fmu.kind;
-  out.library = fmu.library;
+  out.with_library = fmu.with_library;
   const std::string name = fmu.name.empty() ? identifier_of(model->spec().file) : fmu.name;
-  out.code = fmu.library ? portable::library_code(model, options, name)
-             : exchange  ? generate_exchange_code(model, options, name)
-                         : generate_code(model, options, name);
+  out.code = fmu.with_library ? portable::library_code(model, options, name)
+             : exchange       ? generate_exchange_code(model, options, name)
+                              : generate_code(model, options, name);
   out.token = token_of(out.code, fmu.version);
   out.variables = variables_of(out.code, fmu.kind, fmu.version);
   out.wrapper = portable::fmu_wrapper(out);
@@ -136,7 +136,7 @@ WrittenFmu write_fmu(const std::shared_ptr<const Model>& model, const RunOptions
                      const FmuOptions& fmu, const std::string& path) {
   const FmuCode made = generate_fmu(model, options, fmu);
   const portable::FmuBinary binary = portable::compile_fmu(made);
-  const bool binary_only = fmu.binary_only || fmu.library;
+  const bool binary_only = fmu.binary_only || fmu.with_library;
   if (binary.bytes.empty() && binary_only)
     throw InputError(
         Mark{}, fmt::format("the FMU cannot have a binary, and is to have nothing else: {}", binary.message));

@@ -84,12 +84,12 @@ std::string fmu_page(const FmuCode& fmu, const Model& model, const std::string& 
       ".2rem .8rem;border-bottom:1px solid #ccc;text-align:left}}</style></head>\n<body><h1>{0}</h1>\n"
       "<p>FMI {1}.0, {2}. Made by mimbre {3} {6}{4}; {5} bytes {7}.</p>\n",
       title, fmu.version, exchange ? "model exchange" : "co-simulation", escaped(build_info().version),
-      exchange      ? std::string()
-      : fmu.library ? fmt::format(": {}. Steps of {} s", escaped(method), fmu.code.step)
-                    : fmt::format(": {}. Steps of {} s with a fixed cost, {} operations at most",
-                                  escaped(method), fmu.code.step, fmu.code.operations),
-      fmu.code.bytes, fmu.library ? "with its library inside" : "as C99",
-      fmu.library ? "a state" : "an instance");
+      exchange           ? std::string()
+      : fmu.with_library ? fmt::format(": {}. Steps of {} s", escaped(method), fmu.code.step)
+                         : fmt::format(": {}. Steps of {} s with a fixed cost, {} operations at most",
+                                       escaped(method), fmu.code.step, fmu.code.operations),
+      fmu.code.bytes, fmu.with_library ? "with its library inside" : "as C99",
+      fmu.with_library ? "a state" : "an instance");
   page += exchange ? text_of_exchange() : text_of_steps(fmu);
   page += "<table><tr><th>variable</th><th>unit</th><th>meaning</th><th>start</th><th>range</th></tr>\n";
   for (const FmuVariable& v : fmu.variables) {
@@ -111,7 +111,7 @@ std::string fmu_page(const FmuCode& fmu, const Model& model, const std::string& 
 std::string fmu_reference(const FmuCode& fmu, const std::shared_ptr<const Model>& model,
                           const RunOptions& options, double seconds) {
   RunOptions fixed = options;
-  if (fmu.kind == FmuOptions::Kind::co_simulation && !fmu.library) fixed.fixed_cost = true;
+  if (fmu.kind == FmuOptions::Kind::co_simulation && !fmu.with_library) fixed.fixed_cost = true;
   fixed.energies = fixed.validity = fixed.warnings = false;
   Simulation simulation(model, fixed);
   std::vector<Simulation::Channel> channels;

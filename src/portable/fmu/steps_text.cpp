@@ -88,7 +88,8 @@ static int @_fmu_get_counts(@_fmu *f, const @_fmu_reference *references, size_t 
 /* Leaves initialization mode. */
 static int @_fmu_run(@_fmu *f) {
 #if @_FMU_LIBRARY
-  if (@_fmu_turn(f, @_FMU_STARTS) && @_start(&f->model) != @_MADE) return @_fmu_wrong(f, @_message(&f->model));
+  if (!@_fmu_turn(f, @_FMU_STARTS)) return @_FMU_ERROR;
+  if (@_start(&f->model) != @_MADE) return @_fmu_wrong(f, @_message(&f->model));
 #endif
   return @_fmu_go(f, @_FMU_STARTS, @_FMU_RUNS);
 }

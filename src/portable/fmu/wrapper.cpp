@@ -43,7 +43,7 @@ std::string fmu_wrapper(const FmuCode& fmu) {
   define.text("TOKEN", '"' + fmu.token + '"');
   define("INPUTS", std::ssize(fmu.code.inputs));
   define("OUTPUTS", std::ssize(fmu.code.outputs));
-  define("LIBRARY", fmu.library ? 1L : 0L);
+  define("LIBRARY", fmu.with_library ? 1L : 0L);
   if (exchange) {
     define("STATES", std::ssize(fmu.code.states));
     define("INDICATORS", long{fmu.code.indicators});
@@ -52,10 +52,10 @@ std::string fmu_wrapper(const FmuCode& fmu) {
     define.text("MODEL_OK", upper + "_OK");
   } else {
     define.text("STEP", upper + "_STEP");
-    define.text("UNCONVERGED", (fmu.library ? name : upper) + "_UNCONVERGED");
+    define.text("UNCONVERGED", (fmu.with_library ? name : upper) + "_UNCONVERGED");
   }
   if (fmu.version == 2) define.text("KIND", exchange ? "fmi2ModelExchange" : "fmi2CoSimulation");
-  if (!fmu.library) define.of_header(name, {"NOT_FINITE", "SINGULAR", "DRIFTED"});
+  if (!fmu.with_library) define.of_header(name, {"NOT_FINITE", "SINGULAR", "DRIFTED"});
   std::vector<double> least, most, start;
   std::vector<int> tunable;
   for (const GeneratedVariable& v : fmu.code.inputs) {

@@ -29,6 +29,7 @@ std::shared_ptr<const Model> shared_model(std::span<const std::byte> bytes) {
   Hash64 hash;
   hash.add(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   const std::lock_guard lock(mutex);
+  std::erase_if(known, [](const auto& one) { return one.second.expired(); });
   std::weak_ptr<const Model>& entry = known[{bytes.data(), bytes.size(), hash.value()}];
   std::shared_ptr<const Model> model = entry.lock();
   if (!model) entry = model = Model::compile(model_from_bytes(bytes));

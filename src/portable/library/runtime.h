@@ -1,8 +1,8 @@
 #pragma once
 #include <stddef.h>
 
-/// What an FMU with the library inside calls (FmuOptions::library): one model in motion, by functions of C.
-/// The same declarations are in the FMU's own source (library_text.cpp). Nothing is thrown. Any number of
+/// What an FMU with the library inside calls (FmuOptions::with_library): one model in motion, by functions of
+/// C. The same declarations are in the FMU's own source (library_text.cpp). Nothing is thrown. Any number of
 /// models may be open; each is used by one thread at a time.
 #pragma GCC visibility push(default)
 extern "C" {
