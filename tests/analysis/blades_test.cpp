@@ -15,8 +15,7 @@
 namespace mimbre::test::blades_test {
 namespace {
 
-/// Blades of two links that flap about axes across, each turned by its part of a turn about `axis` through
-/// `centre`, which is written as a rotation matrix.
+/// Blades of two links that flap about axes across, each turned by its part of a turn about the z axis.
 std::string rotor(int blades, double speed, double last_mass = 1) {
   std::string text = "gravity: [0, 0, 0]\nbodies:\n  hub: {mass: 5, com: [0, 0, 0], inertia: [1, 1, 1]}\n";
   std::string joints = fmt::format(

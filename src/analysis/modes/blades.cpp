@@ -44,7 +44,7 @@ Placed placed(const spec::Body& body) {
   return out;
 }
 
-/// Whether b is a, turned about the axis through `centre` by D.
+/// Which bodies, with all that they carry, are copies of each other.
 class Copies {
  public:
   explicit Copies(const Compiled& m) : m_(m), children_(m.bodies.size()) {
