@@ -11,6 +11,7 @@
 
 #include "mimbre/diagnostics.h"
 #include "mimbre/function.h"
+#include "mimbre/inertia_term.h"
 #include "mimbre/joint_type.h"
 #include "mimbre/method.h"
 #include "mimbre/road_file.h"
@@ -51,6 +52,9 @@ struct Body {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   std::shared_ptr<const ReducedBody>
       flexible;  ///< set for a flexible body; then mass, com, inertia are unused
+  InertiaTerms neglected;  ///< of a flexible body
+  /// Linear elastodynamics: it moves as if it were rigid, and what acts on it then bends it, without reaction.
+  bool elastodynamic = false;
   std::vector<Shape> shapes;
   std::vector<std::array<Eigen::Vector3d, 2>> lines;  ///< drawing of a rigid body, body axes
 };

@@ -47,6 +47,7 @@ Command add_verify(CommandLine& program);
 Command add_reproduce(CommandLine& program);
 Command add_reduce(CommandLine& program);
 Command add_select(CommandLine& program);
+Command add_terms(CommandLine& program);
 Command add_convert(CommandLine& program);
 Command add_stress(CommandLine& program);
 Command add_export(CommandLine& program);

@@ -1,4 +1,5 @@
 #include "compile/compile_parts.h"
+#include "compile/elastodynamic_modes.h"
 #include "compile/element_parts.h"
 #include "compile/find_scales.h"
 #include "compile/image.h"
@@ -54,6 +55,7 @@ Model::~Model() = default;
 
 std::shared_ptr<const Model> Model::compile(spec::Model model) {
   check_spec(model);
+  set_elastodynamic_modes(model);
   return std::shared_ptr<const Model>(new Model(std::move(model)));
 }
 

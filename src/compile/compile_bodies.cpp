@@ -15,6 +15,16 @@ void set_rigid(const spec::Body& s, BodyData& b) {
   b.second_moment = about_com + s.mass * s.com * s.com.transpose();
 }
 
+/// What is left of inertia: forces on the modes by the motion of the undeformed body.
+InertiaTerms elastodynamic_terms() {
+  InertiaTerms all;
+  for (int k = 0; k < inertia_term_count; ++k) {
+    const auto term = static_cast<InertiaTerm>(k);
+    if (term != InertiaTerm::centrifugal && term != InertiaTerm::rotation_coupling) all.add(term);
+  }
+  return all;
+}
+
 }  // namespace
 
 void compile_bodies(Compiled& c, const Topology& topology) {
@@ -45,6 +55,9 @@ void compile_bodies(Compiled& c, const Topology& topology) {
       const auto [it, is_new] = known.try_emplace(s.flexible.get(), static_cast<int>(c.flexible.size()));
       if (is_new) c.flexible.push_back(flexible_data(*s.flexible));
       b.flexible = it->second;
+      b.neglected = s.neglected.complete();
+      b.elastodynamic = s.elastodynamic && b.modes > 0;
+      if (b.elastodynamic) b.neglected = elastodynamic_terms();
       b.first_moment = s.flexible->first_moment;
       b.second_moment = s.flexible->second_moment;
     } else {

@@ -92,6 +92,14 @@ FrameData frame_data(const Compiled& c, int k) {
   return f;
 }
 
+/// What acts on the frame bends its body, whose modes do not move it.
+void let_bend(FrameData& f) {
+  if (f.flexible < 0) return;
+  f.bends = true;
+  f.flexible = -1;
+  f.turn = FrameTurn::infinitesimal;
+}
+
 int add_subspace(Compiled& c, int body, int frame) {
   MotionSubspace set{body, frame, c.subspace_storage, pad_columns(c.bodies[body].size())};
   c.subspace_storage += 6 * set.stride;
@@ -110,7 +118,9 @@ void compile_frames(Compiled& c, const Topology& topology, const ContactPairs& p
       if (tree_body(c, spec.frames[k]) == body && (frames.needed.count(k) > 0) == dynamic) {
         c.frame_of_spec[k] = static_cast<int>(c.frames.size());
         c.frames.push_back(frame_data(c, k));
-        c.frames.back().full = !dynamic || frames.full.count(k) > 0;
+        FrameData& f = c.frames.back();
+        f.full = !dynamic || frames.full.count(k) > 0;
+        if (dynamic && body >= 0 && c.bodies[body].elastodynamic) let_bend(f);
       }
   };
   const int nb = static_cast<int>(c.bodies.size());
@@ -128,6 +138,7 @@ void compile_frames(Compiled& c, const Topology& topology, const ContactPairs& p
     const spec::Joint& j = spec.joints[body.joint_spec];
     body.inboard_frame = c.frame_of_spec[body.reversed ? j.frame_b : j.frame_a];
     body.outboard_frame = c.frame_of_spec[body.reversed ? j.frame_a : j.frame_b];
+    if (body.elastodynamic) let_bend(c.frames[body.outboard_frame]);
   }
 }
 

@@ -12,6 +12,7 @@
 #include "linalg/block_sparse.h"
 #include "math/function_data.h"
 #include "math/space_curve.h"
+#include "mimbre/inertia_term.h"
 #include "mimbre/spec.h"
 #include "roads/grid.h"
 
@@ -60,7 +61,8 @@ struct FlexibleData {
   int amplitudes = 0;  ///< coordinates
   int stride = 0;
   Array<std::array<int, 2>> products;
-  Rows S;           ///< 3 × stride
+  Rows S;  ///< 3 × stride
+  Rows C;  ///< 3 × stride: ∫ r̄ × X dm of the undeformed body, row a S̄^b_c − S̄^c_b, (a, b, c) cyclic
   Rows S_position;  ///< 9 × stride: row 3 i + j is row j of S̄^i
   Rows S_modes;     ///< stride rows (l) × 9 stride: block 3 i + j of row l holds S^ij(l, ·)
   Rows
@@ -87,6 +89,7 @@ struct FrameData {
   Mat3d rotation = Mat3d::Identity();  ///< undeformed frame axes to body axes
   int flexible = -1;                   ///< index of the flexible body's data when modes move the frame
   bool turns = false;                  ///< modes turn the frame too
+  bool bends = false;  ///< what acts on it bends the body (X, X_theta), though the modes do not move it
   FrameTurn turn = FrameTurn::exponential;
   Vec3d along = Vec3d::Zero(), normal = Vec3d::Zero();  ///< by slope: its undeformed direction, and the plane
   bool full = true;  ///< the step needs axes and accelerations, not only position and velocity
@@ -114,6 +117,8 @@ struct BodyData {
   std::array<signed char, 6> joint_axes{-1, -1, -1, -1, -1, -1};
   int modes = 0;
   int flexible = -1;
+  InertiaTerms neglected;  ///< complete()
+  bool elastodynamic = false;  ///< its modes move nothing but themselves
   int first_frame = 0, last_frame = 0;  ///< frames that dynamics needs: [first, last)
   double mass = 0;
   Vec3d first_moment = Vec3d::Zero();   ///< rigid body: ∫ r̄ dm

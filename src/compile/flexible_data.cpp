@@ -89,6 +89,11 @@ FlexibleData flexible_data(const ReducedBody& body) {
   f.S = padded(S, s);
   f.S_position = Rows::Zero(9, s);
   for (int i = 0; i < 3; ++i) f.S_position.matrix().middleRows(3 * i, 3).leftCols(n) = S_position[i];
+  f.C = Rows::Zero(3, s);
+  for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3, c = (a + 2) % 3;
+    f.C.matrix().row(a) = f.S_position.matrix().row(3 * b + c) - f.S_position.matrix().row(3 * c + b);
+  }
   f.S_modes = Rows::Zero(s, 9 * s);
   f.coriolis = Rows::Zero(s, 3 * s);
   for (int i = 0; i < 3; ++i) {

@@ -58,16 +58,80 @@ void deformed_integrals(const FlexibleData& f, const T* y, T* integrals) {
   });
 }
 
+/// The rows S'^i_j of one body for each of its inertia terms: where the model neglects how the term changes
+/// with the deformation, S̄^i_j.
+template <class T>
+struct InertiaRows {
+  const T *deformed, *undeformed;
+  InertiaTerms neglected;
+
+  const T* of(InertiaTerm by_deformation) const {
+    return neglected.has(by_deformation) ? undeformed : deformed;
+  }
+};
+/// Numbers of storage that they need.
+inline int inertia_row_storage(const BodyData& b, const FlexibleData& f) {
+  return (b.neglected.empty() ? 9 : 18) * f.stride;
+}
+/// As they were made last.
+template <class T>
+InertiaRows<T> inertia_rows(const BodyData& b, const FlexibleData& f, const T* storage) {
+  return {storage, storage + 9 * f.stride, b.neglected};
+}
+/// Those that do not change.
+template <class T>
+void set_undeformed_rows(const BodyData& b, const FlexibleData& f, T* storage) {
+  if (!b.neglected.empty())
+    std::copy(f.S_position.data(), f.S_position.data() + 9 * f.stride, storage + 9 * f.stride);
+}
+/// The others, at y.
+template <class T>
+InertiaRows<T> deform_inertia_rows(const BodyData& b, const FlexibleData& f, const T* y, T* storage) {
+  const InertiaTerms& without = b.neglected;
+  if (!(without.has(InertiaTerm::second_moment_quadratic) &&
+        without.has(InertiaTerm::rotation_coupling_deformed) &&
+        without.has(InertiaTerm::centrifugal_deformed) && without.has(InertiaTerm::coriolis_body_deformed)))
+    deformed_integrals<T>(f, y, storage);
+  return inertia_rows(b, f, storage);
+}
+
+template <class T>
+InertiaRows<T> make_inertia_rows(const BodyData& b, const FlexibleData& f, const T* y, T* storage) {
+  set_undeformed_rows(b, f, storage);
+  return deform_inertia_rows(b, f, y, storage);
+}
+
+/// Whether the moments of the modes' accelerations are those of the undeformed body, C ÿ.
+inline bool turns_undeformed(const BodyData& b) {
+  return b.neglected.has(InertiaTerm::rotation_coupling_deformed) &&
+         !b.neglected.has(InertiaTerm::rotation_coupling);
+}
+
+/// m̄(y) = m̄u + S y.
+template <class T>
+Vec3<T> deformed_first_moment(const BodyData& b, const FlexibleData& f, const T* y) {
+  const Vec3<T> undeformed = b.first_moment.template cast<T>();
+  return b.neglected.has(InertiaTerm::first_moment) ? undeformed : Vec3<T>(undeformed + times(f.S, y));
+}
+
 /// P̄(y) = P̄u + S̄^j_i y + S'^i_j y (Lugrís 2008, 3.27), symmetric.
 template <class T>
-Mat3<T> deformed_second_moment(const FlexibleData& f, const Mat3d& undeformed, const T* integrals,
+Mat3<T> deformed_second_moment(const BodyData& b, const FlexibleData& f, const InertiaRows<T>& rows,
                                const T* y) {
+  const bool linear = !b.neglected.has(InertiaTerm::second_moment_linear),
+             quadratic = !b.neglected.has(InertiaTerm::second_moment_quadratic);
+  if (!linear && !quadratic) return b.second_moment.template cast<T>();
+  const T* integrals = rows.of(InertiaTerm::second_moment_quadratic);
   Mat3<T> p;
   const int s = f.stride;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j <= i; ++j) {
-      p(i, j) = undeformed(i, j) + dot(integrals + (3 * i + j) * s, y, s) +
-                dot(f.S_position.data() + (3 * j + i) * s, y, s);
+      const auto position = [&](int r, int c) { return dot(f.S_position.data() + (3 * r + c) * s, y, s); };
+      p(i, j) = b.second_moment(i, j) + dot(integrals + (3 * i + j) * s, y, s);
+      if (linear)
+        p(i, j) += position(j, i);
+      else
+        p(i, j) -= position(i, j);
       p(j, i) = p(i, j);
     }
   return p;

@@ -106,6 +106,10 @@ class System {
   /// x ← increment that does first x, then d.
   virtual void compose(double* x, const double* d) const = 0;
 
+  /// Velocity coordinates that nothing else depends on and that the matrix couples with nothing: modes of
+  /// bodies by linear elastodynamics, which all of the motion drives.
+  virtual std::span<const int> driven_coordinates() const { return {}; }
+
   /// Whether forces go by accelerations: loads of inertia that stiffen bodies.
   virtual bool has_loads_of_inertia() const = 0;
   /// r += what these loads put into a residual at (q, a), whose kinematics were the last evaluation.

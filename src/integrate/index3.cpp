@@ -330,6 +330,11 @@ void IndexThree::project_velocities(Attempt& t) {
     project(v.data(), system_.phi_dot(), enough);
     evaluate();
   }
+  if (motion_.driven.any()) {
+    r_ = v - unprojected_;
+    motion_.driven.follow(t.time, motion_.q.data(), r_, force_.data(), v);
+    evaluate();
+  }
   unprojected_ -= v;
 
   const double change = scales_.of_coordinates(unprojected_.data());
@@ -360,6 +365,11 @@ void IndexThree::project_accelerations(Attempt& t) {
     force_.setZero();
     project(a.data(), system_.phi_ddot(), options_.acceleration_tolerance * t.accelerations);
     lambda_ += force_;
+    r_ = a - unprojected_;
+    motion_.driven.follow(t.time, motion_.q.data(), r_, force_.data(), a);
+    // What comes after the step looks at the last evaluation.
+    if (motion_.driven.any())
+      system_.residual(t.time, motion_.q.data(), motion_.v.data(), a.data(), lambda_.data(), 0, r_.data());
     r_ = unprojected_ - a;
     t.projected_away = std::max(t.projected_away, ratio(scales_.of_coordinates(r_.data()),
                                                         projected_accelerations * t.accelerations));

@@ -70,6 +70,7 @@ void IndexThree::end_positions(const State& s, Attempt& t) {
   motion_.from_increment(s);
   // Not the penalty's force of the remaining violation, which is round-off times a large number.
   if (t.settled) lambda_ += force_;
+  force_.setZero();
   t.velocity_tolerance = options_.velocity_tolerance * scales_.rate(motion_.v.data());
   unprojected_ = motion_.v;
   t.projected = false;

@@ -12,7 +12,7 @@ constexpr int plain_rounds = 8, loaded_rounds = 40;
 constexpr double slow_rounds = 0.2;
 
 StepMotion::StepMotion(System& of, const IntegratorOptions& options)
-    : system(of), rule(rule_coefficients(options)), penalty(options.penalty) {
+    : system(of), rule(rule_coefficients(options)), penalty(options.penalty), driven(of) {
   set_step(options.step);
   const int n = system.velocities();
   q.setZero(system.positions());
@@ -106,6 +106,7 @@ StepCode StepMotion::start(const State& s, StepStatus& status) {
     start_multipliers_ = along_.head(m);
     x = along_.tail(n);
   }
+  driven.accelerate(s.time, s.q.data(), s.v.data(), start_multipliers_.data(), a.data());
   start_a = start_algorithmic = a;
   return StepCode::ok;
 }

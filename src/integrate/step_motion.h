@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "integrate/anderson.h"
+#include "integrate/driven.h"
 #include "integrate/rule.h"
 #include "integrate/stepper.h"
 
@@ -37,6 +38,7 @@ struct StepMotion {
   double penalty;                           ///< κ of the first step's accelerations
   Eigen::VectorXd x, q, v, a, algorithmic;  ///< at the end of the step
   Eigen::VectorXd start_a, start_algorithmic;  ///< at its start
+  DrivenCoordinates driven;
 
  private:
   StepCode start(const State& s, StepStatus& status);

@@ -17,15 +17,16 @@ struct Deflection {
     return {o.name, "m", fmt::format("deflection of '{}'", frame_name(m, o.item))};
   }
   static double value(const OutputView& view, const spec::Output& o) {
-    if (view.model.frames[view.model.frame_of_spec[o.item]].flexible < 0) return 0;
+    const FrameData& f = view.model.frames[view.model.frame_of_spec[o.item]];
+    if (f.flexible < 0 && !f.bends) return 0;
     return o.direction.dot(view.deflection(o.item));
   }
   static void place(const SensorPlaces& places, const spec::Output& o, SensorData& d) {
     const Compiled& c = places.compiled;
     const FrameData& f = c.frames[c.frame_of_spec[o.item]];
     d.body = f.body;
-    if (f.flexible < 0) return;
-    if (!c.flexible[f.flexible].products.empty())
+    if (f.flexible < 0 && !f.bends) return;
+    if (!c.flexible[c.bodies[f.body].flexible].products.empty())
       throw InputError(o.mark,
                        fmt::format("the deflection '{}' is that of a body whose modes bend in second order; "
                                    "see it at instants, by a signal with `every: 0.01`",

@@ -153,9 +153,14 @@ void members(A& archive, Of<spec::Shape> auto& x) {
   archive(kind, pose, size, mesh);
 }
 template <class A>
+void members(A& archive, Of<InertiaTerms> auto& x) {
+  auto& [bits] = x;
+  archive(bits);
+}
+template <class A>
 void members(A& archive, Of<spec::Body> auto& x) {
-  auto& [name, mark, pose, mass, com, inertia, flexible, shapes, lines] = x;
-  archive(name, mark, pose, mass, com, inertia, flexible, shapes, lines);
+  auto& [name, mark, pose, mass, com, inertia, flexible, neglected, elastodynamic, shapes, lines] = x;
+  archive(name, mark, pose, mass, com, inertia, flexible, neglected, elastodynamic, shapes, lines);
 }
 template <class A>
 void members(A& archive, Of<spec::Frame> auto& x) {

@@ -264,9 +264,9 @@ TEST_P(Bricks, RelativeInertiaByIntegralsIsThatByProjection) {
   projection::Work w;
   w.fit(c);
   VectorXd by_integrals = VectorXd::Zero(s), by_projection = by_integrals;
-  const auto a =
-      relative::flexible_inertia<double>(data, f, integrals.data(), m.y.data(), m.yd.data(), m.ydd.data(),
-                                         m.b[0], m.omega, m.alpha, by_integrals.data());
+  const auto a = relative::flexible_inertia<double>(data, f, inertia_rows(data, f, integrals.data()),
+                                                    m.y.data(), m.yd.data(), m.ydd.data(), m.b[0], m.omega,
+                                                    m.alpha, by_integrals.data());
   const auto b = projection::inertia_wrench(c, w, m.b[0], m.omega, m.alpha, m.y.data(), m.yd.data(),
                                             m.ydd.data(), by_projection.data());
   add_elasticity<double>(f, m.y.data(), m.yd.data(), by_projection.data());
@@ -281,7 +281,8 @@ TEST_P(Bricks, RelativeInertiaByIntegralsIsThatByProjection) {
   EXPECT_LT(relative_difference(first, data.first_moment + times(f.S, m.y.data()), 0), 1e-12);
   EXPECT_LT(
       relative_difference(
-          second, deformed_second_moment<double>(f, data.second_moment, integrals.data(), m.y.data()), 0),
+          second,
+          deformed_second_moment<double>(data, f, inertia_rows(data, f, integrals.data()), m.y.data()), 0),
       1e-12);
   EXPECT_LT(relative_difference(rows, integrals, 0), 1e-12);
   EXPECT_LT(relative_difference(c.S.matrix(), f.S.matrix(), 0), 1e-12);
@@ -294,7 +295,8 @@ TEST_P(Bricks, NaturalInertiaByIntegralsIsThatByProjection) {
   projection::Work w;
   w.fit(c);
   const Vec3d first = data.first_moment + times(f.S, m.y.data());
-  const Mat3d second = deformed_second_moment<double>(f, data.second_moment, integrals.data(), m.y.data());
+  const Mat3d second =
+      deformed_second_moment<double>(data, f, inertia_rows(data, f, integrals.data()), m.y.data());
   const auto S = [&](int i) { return integrals.middleRows<3>(3 * i).leftCols(n); };
   const MatrixXd S0 = f.S.matrix().leftCols(n);
 
@@ -379,15 +381,16 @@ Differences beam_differences(int elements, double section_size, bool rotations) 
   Mat3d second;
   projection::rigid_mass(c, w, m.y.data(), first, second, rows.data());
   VectorXd e = VectorXd::Zero(s), p = e;
-  const auto a = relative::flexible_inertia<double>(data, f, integrals.data(), m.y.data(), m.yd.data(),
-                                                    m.ydd.data(), m.b[0], m.omega, m.alpha, e.data());
+  const auto a =
+      relative::flexible_inertia<double>(data, f, inertia_rows(data, f, integrals.data()), m.y.data(),
+                                         m.yd.data(), m.ydd.data(), m.b[0], m.omega, m.alpha, e.data());
   const auto b = projection::inertia_wrench(c, w, m.b[0], m.omega, m.alpha, m.y.data(), m.yd.data(),
                                             m.ydd.data(), p.data());
   VectorXd elasticity = VectorXd::Zero(s);
   add_elasticity<double>(f, m.y.data(), m.yd.data(), elasticity.data());
   e -= elasticity;
   const Mat3d by_integrals =
-      deformed_second_moment<double>(f, data.second_moment, integrals.data(), m.y.data());
+      deformed_second_moment<double>(data, f, inertia_rows(data, f, integrals.data()), m.y.data());
   const auto user = [&](const VectorXd& x) {  // generalised forces of the user's amplitudes
     return VectorXd(mimbre::solve(body.user_from_modal.transpose(), x.head(body.modes)));
   };

@@ -11,10 +11,10 @@ std::vector<Command> add_commands(CommandLine& program) {
           add_report(program),     add_compare(program),
           add_bench(program),      add_verify(program),
           add_reduce(program),     add_select(program),
-          add_convert(program),    add_stress(program),
-          add_export(program),     add_generate(program),
-          add_fmu(program),        add_page(program),
-          add_reproduce(program)};
+          add_terms(program),      add_convert(program),
+          add_stress(program),     add_export(program),
+          add_generate(program),   add_fmu(program),
+          add_page(program),       add_reproduce(program)};
 }
 
 }  // namespace mimbre::app

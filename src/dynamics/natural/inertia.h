@@ -9,16 +9,16 @@
 /// Inertia of bodies in natural coordinates (Lugrís 2008, 3.13–3.47).
 namespace mimbre::natural {
 
-/// ∫ (1, r̄)(1, r̄)ᵀ dm of a deformed body; `integrals`: its S'^i rows at y.
+/// ∫ (1, r̄)(1, r̄)ᵀ dm of a deformed body; `rows`: its S'^i rows at y.
 template <class T>
-Eigen::Matrix<T, 4, 4> deformed_mass(const BodyData& b, const FlexibleData& f, const T* integrals,
+Eigen::Matrix<T, 4, 4> deformed_mass(const BodyData& b, const FlexibleData& f, const InertiaRows<T>& rows,
                                      const T* y) {
   Eigen::Matrix<T, 4, 4> mass;
-  const Vec3<T> moment = b.first_moment.template cast<T>() + times(f.S, y);
+  const Vec3<T> moment = deformed_first_moment<T>(b, f, y);
   mass(0, 0) = T(b.mass);
   mass.template block<3, 1>(1, 0) = moment;
   mass.template block<1, 3>(0, 1) = moment.transpose();
-  mass.template bottomRightCorner<3, 3>() = deformed_second_moment<T>(f, b.second_moment, integrals, y);
+  mass.template bottomRightCorner<3, 3>() = deformed_second_moment<T>(b, f, rows, y);
   return mass;
 }
 
@@ -46,6 +46,36 @@ StressMotion<T> stress_motion(const GeometricData& g, const BaseMotion<T>& base,
     return Vec3<T>(T(0.5) * (m(2, 1) - m(1, 2)), T(0.5) * (m(0, 2) - m(2, 0)), T(0.5) * (m(1, 0) - m(0, 1)));
   };
   return geometric::stress_motion<T>(g, axis(turning), A.transpose() * second.col(0), axis(gradient), ydd);
+}
+
+/// elastic += Mff ÿ.
+template <class T>
+void add_modal_inertia(const FlexibleData& f, const T* ydd, T* elastic) {
+  const int s = f.stride;
+  if (f.identity_mass)
+    for (int k = 0; k < s; ++k) elastic[k] += ydd[k];
+  else
+    for (int r = 0; r < f.modes; ++r)
+      for (int k = 0; k < s; ++k) elastic[k] += ydd[r] * f.mass(r, k);
+}
+
+/// elastic += Σ S'^iᵀ Aᵀ ä_i, `local` = Aᵀ (ä_1, ä_2, ä_3) = α~ + ω~ ω~: its skew part by angular
+/// acceleration, the symmetric one centrifugal.
+template <class T>
+void add_turning_forces(const BodyData& b, int stride, const Mat3<T>& local, const InertiaRows<T>& rows,
+                        T* elastic) {
+  const auto add = [&](const Mat3<T>& gradient, const T* of) {
+    for (int r = 0; r < 9; ++r) {
+      const T c = gradient(r % 3, r / 3);
+      const T* row = of + r * stride;
+      for (int k = 0; k < stride; ++k) elastic[k] += c * row[k];
+    }
+  };
+  if (b.neglected.empty()) return add(local, rows.deformed);
+  const Mat3<T> symmetric = T(0.5) * (local + local.transpose());
+  if (!b.neglected.has(InertiaTerm::centrifugal)) add(symmetric, rows.of(InertiaTerm::centrifugal_deformed));
+  if (!b.neglected.has(InertiaTerm::rotation_coupling))
+    add(local - symmetric, rows.of(InertiaTerm::rotation_coupling_deformed));
 }
 
 /// Adds M̄ q̈ − Q̄v of all bodies, gravity, and elastic and damping forces:
@@ -83,27 +113,33 @@ void inertia(const Compiled& m, const Layout& l, Workspace<T>& w) {
         continue;
       }
     }
-    T* integrals = w.integrals.data();
-    deformed_integrals<T>(f, y, integrals);
-    out.noalias() += second * deformed_mass<T>(data, f, integrals, y);
+    const InertiaRows<T> rows = make_inertia_rows<T>(data, f, y, w.integrals.data());
+    out.noalias() += second * deformed_mass<T>(data, f, rows, y);
     const Mat3<T> A = w.bodies[i].position.template rightCols<3>(),
                   Ad = w.bodies[i].velocity.template rightCols<3>();
-    Base<T> rate, accelerated;  // S ẏ and S'^i ẏ; likewise with ÿ
-    rate.col(0) = times(f.S, yd);
+    const auto keeps = [&](InertiaTerm term) { return !data.neglected.has(term); };
+    Base<T> rate = Base<T>::Zero(), accelerated = rate;  // S ẏ and S'^i ẏ; likewise with ÿ
+    const auto spread = [&](InertiaTerm by_deformation, const T* rates, Base<T>& field) {
+      const T* row = rows.of(by_deformation);
+      for (int a = 0; a < 3; ++a)
+        for (int c = 0; c < 3; ++c) field(c, 1 + a) = dot(row + (3 * a + c) * s, rates, s);
+    };
     accelerated.col(0) = times(f.S, ydd);
-    for (int a = 0; a < 3; ++a)
-      for (int c = 0; c < 3; ++c) {
-        rate(c, 1 + a) = dot(integrals + (3 * a + c) * s, yd, s);
-        accelerated(c, 1 + a) = dot(integrals + (3 * a + c) * s, ydd, s);
-      }
+    if (keeps(InertiaTerm::coriolis_body)) {
+      rate.col(0) = times(f.S, yd);
+      spread(InertiaTerm::coriolis_body_deformed, yd, rate);
+    }
+    if (keeps(InertiaTerm::rotation_coupling))
+      spread(InertiaTerm::rotation_coupling_deformed, ydd, accelerated);
     out.noalias() += A * accelerated + T(2) * (Ad * rate);
 
     const Base<T> local = A.transpose() * second;
     add_transposed<T>(f.S, local.col(0), elastic);
-    for (int r = 0; r < 9; ++r) {
-      const T c = local(r % 3, 1 + r / 3);
-      const T* row = integrals + r * s;
-      for (int k = 0; k < s; ++k) elastic[k] += c * row[k];
+    add_turning_forces<T>(data, s, local.template rightCols<3>(), rows, elastic);
+    if (!keeps(InertiaTerm::coriolis_modes)) {
+      add_modal_inertia(f, ydd, elastic);
+      add_elasticity(f, y, yd, elastic);
+      continue;
     }
     const Mat3<T> turning = A.transpose() * Ad;
     const T w0 = turning(2, 1) - turning(1, 2), w1 = turning(0, 2) - turning(2, 0),
@@ -113,11 +149,7 @@ void inertia(const Compiled& m, const Layout& l, Workspace<T>& w) {
       const T v = yd[r];
       for (int k = 0; k < s; ++k) elastic[k] += v * (w0 * n[k] + w1 * n[s + k] + w2 * n[2 * s + k]);
     }
-    if (f.identity_mass)
-      for (int k = 0; k < s; ++k) elastic[k] += ydd[k];
-    else
-      for (int r = 0; r < f.modes; ++r)
-        for (int k = 0; k < s; ++k) elastic[k] += ydd[r] * f.mass(r, k);
+    add_modal_inertia(f, ydd, elastic);
     add_elasticity(f, y, yd, elastic);
   }
 }

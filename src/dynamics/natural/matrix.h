@@ -76,10 +76,14 @@ const Rows& add_coupled_mass(const Compiled& m, const Layout& l, Workspace<T>& w
   const Rows* modal_mass = &f.mass;
   Eigen::Matrix<T, 4, 4> mass;
   if (w.projections.empty()) {
-    T* integrals = coupling + 3 * s;
+    const InertiaRows<T> rows = make_inertia_rows<T>(data, f, y, w.integrals.data());
     std::copy(f.S.data(), f.S.data() + 3 * s, coupling);
-    deformed_integrals<T>(f, y, integrals);
-    mass = deformed_mass<T>(data, f, integrals, y);
+    const T* turning = rows.of(InertiaTerm::rotation_coupling_deformed);
+    if (data.neglected.has(InertiaTerm::rotation_coupling))
+      std::fill(coupling + 3 * s, coupling + 12 * s, T(0));
+    else
+      std::copy(turning, turning + 9 * s, coupling + 3 * s);
+    mass = deformed_mass<T>(data, f, rows, y);
   } else {
     const projection::Constants& constants = w.projections[data.flexible];
     modal_mass = &constants.mass;

@@ -80,8 +80,10 @@ Workspace<T>::Workspace(const Compiled& m, const Layout& l) : signals(m) {
   forces.assign(m.bodies.size(), nan34);
   modal.assign(l.amplitude_storage, nan);
   int integral = 0, stride = 8;
-  for (const FlexibleData& f : m.flexible) {
-    integral = std::max(integral, 9 * f.stride);
+  for (const BodyData& b : m.bodies) {
+    if (b.modes == 0) continue;
+    const FlexibleData& f = m.flexible[b.flexible];
+    integral = std::max(integral, inertia_row_storage(b, f));
     stride = std::max(stride, f.stride);
   }
   integrals.assign(integral, nan);

@@ -150,7 +150,11 @@ std::vector<Constants> constants(const Compiled& model, spec::Simulation::Inerti
     if (b.flexible < 0) continue;
     const spec::Body& body = model.spec().bodies[static_cast<std::size_t>(b.spec)];
     Constants& c = all[static_cast<std::size_t>(b.flexible)];
-    if (!body.flexible->mesh_inertia)
+    if (!body.neglected.empty())
+      errors.push_back({body.mark, fmt::format("neglected_inertia of body '{}' needs inertia: integrals; by "
+                                               "projection there are no single terms",
+                                               body.name)});
+    else if (!body.flexible->mesh_inertia)
       errors.push_back({body.mark, fmt::format("inertia by projection needs the mesh of flexible body '{}', "
                                                "which its reduced body does not hold; use inertia: integrals",
                                                body.name)});

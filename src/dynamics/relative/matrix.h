@@ -198,20 +198,28 @@ template <class T>
   copy_modes(b, q + b.q + b.joint_positions, fs, y);
   extend(f, y);
   T* integrals = w.integrals.data() + w.integral_offset[i];
+  const InertiaRows<T> rows = inertia_rows<T>(b, f, integrals);
   const ConstantInertia constant = constant_inertia(m, w, b);
   if (w.projections.empty()) {
-    own.first += times(f.S, y);
-    own.second = deformed_second_moment<T>(f, b.second_moment, integrals, y);
+    own.first = deformed_first_moment<T>(b, f, y);
+    own.second = deformed_second_moment<T>(b, f, rows, y);
   } else if constexpr (std::is_same_v<T, double>) {
     own.mass = constant.mass;
     projection::rigid_mass(w.projections[b.flexible], w.projection, y, own.first, own.second, integrals);
   }
   T *linear = y + fs, *crossed = linear + 3 * fs, *angular = crossed + 3 * fs;
+  if (b.elastodynamic) return;
   rotate_rows<T>(A, constant.S.data(), fs, linear);
-  for (int r = 0; r < 3; ++r) {  // C_a = S'^b_c − S'^c_b, (a, b, c) cyclic
-    const T *plus = integrals + (3 * ((r + 1) % 3) + (r + 2) % 3) * fs,
-            *minus = integrals + (3 * ((r + 2) % 3) + (r + 1) % 3) * fs;
-    for (int k = 0; k < fs; ++k) crossed[r * fs + k] = plus[k] - minus[k];
+  if (turns_undeformed(b)) {
+    for (int k = 0; k < 3 * fs; ++k) crossed[k] = T(f.C.data()[k]);
+  } else {
+    const bool turns = !b.neglected.has(InertiaTerm::rotation_coupling);
+    const T* positions = rows.of(InertiaTerm::rotation_coupling_deformed);
+    for (int r = 0; r < 3; ++r) {  // C_a = S'^b_c − S'^c_b, (a, b, c) cyclic
+      const T *plus = positions + (3 * ((r + 1) % 3) + (r + 2) % 3) * fs,
+              *minus = positions + (3 * ((r + 2) % 3) + (r + 1) % 3) * fs;
+      for (int k = 0; k < fs; ++k) crossed[r * fs + k] = turns ? plus[k] - minus[k] : T(0);
+    }
   }
   rotate_rows<T>(A, crossed, fs, angular);
   add_cross_rows<T>(w.bodies[i].position, linear, fs, angular);

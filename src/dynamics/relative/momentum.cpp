@@ -24,7 +24,7 @@ BodyMomentum body_momentum(const Compiled& m, Workspace<double>& w, const BodyDa
   BodyMomentum out{b.mass, b.first_moment, Vec3d::Zero(), Vec3d::Zero(), b.inertia, Mat3d::Zero()};
   Vec3d modal = Vec3d::Zero(), modal_moment = Vec3d::Zero();
   Mat3d second = b.second_moment;
-  if (b.modes > 0) {
+  if (b.modes > 0 && !b.elastodynamic) {
     const FlexibleData& f = m.flexible[b.flexible];
     const int n = f.stride;
     double *y = w.scratch.data(), *yd = y + n, *integrals = yd + n;
@@ -33,9 +33,9 @@ BodyMomentum body_momentum(const Compiled& m, Workspace<double>& w, const BodyDa
     extend(f, y);
     extend(f, y, yd);
     if (w.projections.empty()) {
-      deformed_integrals<double>(f, y, integrals);
-      out.first_moment += times(f.S, y);
-      second = deformed_second_moment<double>(f, b.second_moment, integrals, y);
+      const InertiaRows<double> rows = make_inertia_rows<double>(b, f, y, integrals);
+      out.first_moment = deformed_first_moment<double>(b, f, y);
+      second = deformed_second_moment<double>(b, f, rows, y);
       modal = times(f.S, yd);
     } else {
       const projection::Constants& c = w.projections[b.flexible];

@@ -34,40 +34,64 @@ BodyWrench<T> rigid_inertia(const BodyData& b, const Vec3<T>& acc, const Vec3<T>
 ///   f = m a + α × m̄ + S ÿ + ω × (ω × m̄ + 2 S ẏ)
 ///   n = m̄ × a + J α + C ÿ + ω × J ω + 2 (tr(D) ω − Dᵀ ω),           D_ij = ∫ r̄_i u̇_j dm
 ///   e = Sᵀ a + Cᵀ α + Mff ÿ + Σ_ij (ω_i ω_j − ω² δ_ij) S'^i_j + 2 ω · ∫ u̇ × X dm + K y + C_d ẏ
-/// Adds e to `elastic` (padded). `integrals` are the S'^i rows at y.
+/// Adds e to `elastic` (padded). Without the terms that the model neglects.
 template <class T>
-BodyWrench<T> flexible_inertia(const BodyData& b, const FlexibleData& f, const T* integrals, const T* y,
-                               const T* yd, const T* ydd, const Vec3<T>& acc, const Vec3<T>& w,
+BodyWrench<T> flexible_inertia(const BodyData& b, const FlexibleData& f, const InertiaRows<T>& rows,
+                               const T* y, const T* yd, const T* ydd, const Vec3<T>& acc, const Vec3<T>& w,
                                const Vec3<T>& alpha, T* elastic) {
+  using Term = InertiaTerm;
+  const auto keeps = [&](Term term) { return !b.neglected.has(term); };
   const int s = f.stride;
-  const Vec3<T> moment = b.first_moment.template cast<T>() + times(f.S, y);
-  const Vec3<T> sy1 = times(f.S, yd), sy2 = times(f.S, ydd);
-  const Mat3<T> p = deformed_second_moment<T>(f, b.second_moment, integrals, y);
+  const Vec3<T> moment = deformed_first_moment<T>(b, f, y), sy2 = times(f.S, ydd);
+  const Mat3<T> p = deformed_second_moment<T>(b, f, rows, y);
   const Mat3<T> inertia = p.trace() * Mat3<T>::Identity() - p;
-  Mat3<T> d, e;  // ∫ r̄_i u̇_j dm, ∫ r̄_i ü_j dm
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      const T* row = integrals + (3 * i + j) * s;
-      d(i, j) = dot(row, yd, s);
-      e(i, j) = dot(row, ydd, s);
-    }
+  // ∫ r̄_i ẋ_j dm of a field x = X y.
+  const auto spread = [&](Term by_deformation, const T* rates) {
+    Mat3<T> out;
+    const T* row = rows.of(by_deformation);
+    for (int k = 0; k < 9; ++k) out(k / 3, k % 3) = dot(row + k * s, rates, s);
+    return out;
+  };
   BodyWrench<T> out;
-  out.force = T(b.mass) * acc + alpha.cross(moment) + sy2 + w.cross(w.cross(moment) + T(2) * sy1);
-  const Vec3<T> c_ydd(e(1, 2) - e(2, 1), e(2, 0) - e(0, 2), e(0, 1) - e(1, 0));
-  out.moment = moment.cross(acc) + turned<T>(inertia, alpha) + c_ydd + w.cross(turned<T>(inertia, w)) +
-               T(2) * (d.trace() * w - turned_back<T>(d, w));
+  out.force = T(b.mass) * acc + alpha.cross(moment) + sy2;
+  out.moment = moment.cross(acc) + turned<T>(inertia, alpha);
+  const bool plain = turns_undeformed(b);
+  if (plain) {
+    out.moment += times(f.C, ydd);
+  } else if (keeps(Term::rotation_coupling)) {
+    const Mat3<T> e = spread(Term::rotation_coupling_deformed, ydd);
+    out.moment += Vec3<T>(e(1, 2) - e(2, 1), e(2, 0) - e(0, 2), e(0, 1) - e(1, 0));
+  }
+  out.moment += w.cross(turned<T>(inertia, w));
+  if (keeps(Term::coriolis_body)) {
+    const Mat3<T> d = spread(Term::coriolis_body_deformed, yd);
+    out.force += w.cross(w.cross(moment) + T(2) * times(f.S, yd));
+    out.moment += T(2) * (d.trace() * w - turned_back<T>(d, w));
+  } else {
+    out.force += w.cross(w.cross(moment));
+  }
 
   add_transposed<T>(f.S, acc, elastic);
+  if (plain) add_transposed<T>(f.C, alpha, elastic);
   // Coefficients of the rows S'^i_j: centrifugal, and Cᵀ α (C_a = S'^b_c − S'^c_b).
-  Mat3<T> g = w * w.transpose() - w.squaredNorm() * Mat3<T>::Identity();
-  g += skew<T>(alpha).transpose();
+  const bool centrifugal = keeps(Term::centrifugal), turns = keeps(Term::rotation_coupling) && !plain;
+  Mat3<T> g = Mat3<T>::Zero(), turning = Mat3<T>::Zero();
+  if (centrifugal) g = w * w.transpose() - w.squaredNorm() * Mat3<T>::Identity();
+  if (turns) turning = skew<T>(alpha).transpose();
+  const T *g_rows = rows.of(centrifugal ? Term::centrifugal_deformed : Term::rotation_coupling_deformed),
+          *turning_rows = rows.of(Term::rotation_coupling_deformed);
+  const bool two = centrifugal && turns && g_rows != turning_rows, coriolis = keeps(Term::coriolis_modes);
+  if (!two) g += turning;
   const T twice[3] = {T(2) * w[0], T(2) * w[1], T(2) * w[2]};
   by_lanes<T>(elastic, s, [&](auto sum, const auto& row) {
-    for (int r = 0; r < 9; ++r) sum = multiply_add(row.all(g(r / 3, r % 3)), row(integrals + r * s), sum);
-    for (int l = 0; l < f.modes; ++l) {
+    const auto add = [&](const Mat3<T>& by, const T* from) {
+      for (int r = 0; r < 9; ++r) sum = multiply_add(row.all(by(r / 3, r % 3)), row(from + r * s), sum);
+    };
+    if (centrifugal || turns) add(g, g_rows);
+    if (two) add(turning, turning_rows);
+    for (int l = 0; coriolis && l < f.modes; ++l) {
       const double* n = f.coriolis.data() + static_cast<std::ptrdiff_t>(l) * 3 * s;
-      const auto first = row.all(twice[0]) * row(n),
-                 both = multiply_add(row.all(twice[1]), row(n + s), first),
+      const auto one = row.all(twice[0]) * row(n), both = multiply_add(row.all(twice[1]), row(n + s), one),
                  all = multiply_add(row.all(twice[2]), row(n + 2 * s), both);
       sum = multiply_add(row.all(yd[l]), all, sum);
     }
@@ -126,9 +150,10 @@ void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const 
       extend(f, y, yd, ydd);
       for (int k = 0; k < s; ++k) elastic[k] = T(0);
       if (w.projections.empty()) {
-        T* integrals = w.integrals.data() + w.integral_offset[i];
-        deformed_integrals<T>(f, y, integrals);
-        inertia = flexible_inertia<T>(b, f, integrals, y, yd, ydd, acc, omega, alpha, elastic);
+        const InertiaRows<T> rows =
+            deform_inertia_rows<T>(b, f, y, w.integrals.data() + w.integral_offset[i]);
+        inertia = flexible_inertia<T>(b, f, rows, y, yd, ydd, acc, omega, alpha, elastic);
+        if (b.elastodynamic) inertia = rigid_inertia<T>(b, acc, omega, alpha);
       } else if constexpr (std::is_same_v<T, double>) {
         const projection::Wrench wrench = projection::inertia_wrench(w.projections[b.flexible], w.projection,
                                                                      acc, omega, alpha, y, yd, ydd, elastic);
@@ -153,13 +178,16 @@ void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const 
       force -= wrench.force;
       moment -= wrench.moment + w.frames[k].position.cross(wrench.force);
       const FrameData& f = m.frames[k];
-      if (f.flexible >= 0)
+      if (f.flexible >= 0 || f.bends)
         frame_modal_force<T>(f, motion, y, Vec3<T>(-wrench.force), Vec3<T>(-wrench.moment), elastic);
     }
     // The subtree's wrench passes through the body's own joint: to the joint coordinates and to the parent's
     // frame.
     const FrameData& own = m.frames[b.outboard_frame];
-    if (own.flexible >= 0) {
+    if (own.bends) {
+      const Vec3<T> place = motion.position + turned<T>(A, own.position.template cast<T>());
+      frame_modal_force<T>(own, motion, y, Vec3<T>(-force), Vec3<T>(-(moment - place.cross(force))), elastic);
+    } else if (own.flexible >= 0) {
       // Its own modes move the body away from the joint.
       Motion<T> at;
       frame_motion<T>(own, motion, y, y + m.flexible[b.flexible].stride,

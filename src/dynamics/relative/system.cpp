@@ -103,6 +103,9 @@ RelativeSystem::RelativeSystem(const Compiled& model, spec::Simulation::Inertia 
   keeps_matrix_ = std::none_of(model.elements.begin(), model.elements.end(),
                                [](const ElementData& e) { return e.pooled; });
 
+  for (const BodyData& b : model.bodies)
+    for (int k = 0; b.elastodynamic && k < b.modes; ++k) driven_.push_back(b.v + b.joint_velocities + k);
+
   if (splits_by_bodies(model)) articulated_ = std::make_unique<ArticulatedBodies<double>>(model);
   always_by_bodies_ = model.velocities > 0 && model.symbolic.size() == 0;
 

@@ -56,6 +56,7 @@ class RelativeSystem final : public System {
   void retract(const double* q, const double* x, double* out) const override;
   void increment_rate(const double* x, const double* v, double* rate) const override;
   void compose(double* x, const double* d) const override;
+  std::span<const int> driven_coordinates() const override { return driven_; }
   bool has_loads_of_inertia() const override;
   void add_loads_of_inertia(const double* q, const double* a, double* r) override;
 
@@ -79,6 +80,7 @@ class RelativeSystem final : public System {
   TangentMarks marks_;
   PairCouplings couplings_;
   ElementTangents tangents_;
+  std::vector<int> driven_;
   bool keeps_matrix_ = false;
   int matrices_ = 0;
   /// Of trees: their matrix by bodies. Always, where there is no sparse one; and whether solve() takes it.

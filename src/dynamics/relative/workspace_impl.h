@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "dynamics/flexible.h"
 #include "dynamics/geometric.h"
 #include "dynamics/relative/workspace.h"
 
@@ -43,11 +44,14 @@ Workspace<T>::Workspace(const Compiled& m) : signals(m) {
     if (b.modes == 0) continue;
     widest = std::max(widest, m.flexible[b.flexible].stride);
     elastic += 6 * pad(b.size());
-    integral += 9 * m.flexible[b.flexible].stride;
+    integral += inertia_row_storage(b, m.flexible[b.flexible]);
   }
   subspace_forces.assign(6 * widest, nan);
   elastic_forces.assign(elastic, nan);
   integrals.assign(integral, nan);
+  for (std::size_t i = 0; i < m.bodies.size(); ++i)
+    if (const BodyData& b = m.bodies[i]; b.modes > 0)
+      set_undeformed_rows(b, m.flexible[b.flexible], integrals.data() + integral_offset[i]);
   scratch.assign(24 * widest, nan);
   output.assign(3 * widest, nan);
   folded.assign(static_cast<std::size_t>(widest) * widest, nan);

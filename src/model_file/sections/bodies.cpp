@@ -203,7 +203,7 @@ std::optional<int> chosen_description(const Fields& fields) {
 
 void read_body(Builder& builder, const Part& part, const Value& value, int index) {
   const Fields fields(
-      value, {"mass", "com", "inertia", "frame", "as", "rigid", "flexible", "reduced", "shapes", "lines"});
+      value, {"mass", "com", "inertia", "frame", "as", "rigid", "flexible", "reduced", "flexibility", "shapes", "lines"});
   // A copy: the vectors of the builder stay as they are meanwhile.
   spec::Body body = builder.model.bodies[static_cast<std::size_t>(index)];
   BodyInfo info;
@@ -256,6 +256,8 @@ void read_body(Builder& builder, const Part& part, const Value& value, int index
         info.node_positions.push_back(frame.position);
       }
   }
+  if (const auto approach = fields.get("flexibility"))
+    body.elastodynamic = approach->choice({"floating_frame", "elastodynamics"}).value_or(0) == 1 && as > 0;
   if (const auto shapes = fields.get("shapes")) read_shapes(builder, *shapes, local, body);
   if (const auto lines = fields.get("lines")) read_lines(*lines, local, body);
   info.failed = info.failed || as < 0;

@@ -458,7 +458,7 @@ struct Reader {
 
   /// Beams of one element per frame have no modes to choose.
   void read_kind(const Value& kind) {
-    const auto k = kind.choice({"reduced", "corotational", "ancf"});
+    const auto k = kind.choice({"reduced", "corotational", "ancf", "segments", "stretching_segments"});
     if (!k || *k == 0) return;
     result.kind = static_cast<BeamKind>(*k);
     fe::ReductionOptions& o = result.options;
@@ -470,10 +470,10 @@ struct Reader {
     if (result.kind == BeamKind::corotational) {
       result.substructures = {kind.mark(), static_cast<int>(result.mesh.elements.size()), 0};
       o.stiffening = fe::Stiffening::foreshortening;
-    } else if (result.normal.isZero(0)) {
+    } else if (result.kind == BeamKind::ancf && result.normal.isZero(0)) {
       fail(kind,
            "by absolute nodal coordinates moves in a plane; give its normal, for example planar: [0, 0, 1]");
-    } else if (o.clamped_nodes.size() > 1) {
+    } else if (result.kind == BeamKind::ancf && o.clamped_nodes.size() > 1) {
       fail(kind, "by absolute nodal coordinates is clamped at one end");
     }
   }

@@ -67,9 +67,11 @@ struct Substructures {
 
 /// What becomes of a body of bars.
 enum class BeamKind {
-  reduced,       ///< modes in one floating frame, or in that of each substructure
-  corotational,  ///< a floating frame for every element, which deforms with the ends of the element
-  ancf           ///< absolute nodal coordinates, in a plane
+  reduced,             ///< modes in one floating frame, or in that of each substructure
+  corotational,        ///< a floating frame for every element, which deforms with the ends of the element
+  ancf,                ///< absolute nodal coordinates, in a plane
+  segments,            ///< rigid bodies with springs against turning between them
+  stretching_segments  ///< likewise, with springs along and across, too
 };
 
 /// A beam frame ready to be reduced, in body axes.
@@ -84,6 +86,7 @@ struct FlexibleDescription {
   double line_radius = 0.01;
   Substructures substructures;
 
+  bool in_segments() const { return kind == BeamKind::segments || kind == BeamKind::stretching_segments; }
   bool in_pieces() const { return substructures.count > 1 || kind == BeamKind::corotational; }
 };
 /// Amplitudes that the description has: of all pieces, one after the other.
@@ -187,6 +190,9 @@ void add_floating_joints(Builder& builder);
 /// Cuts the bodies with substructures into pieces and moves frames and outputs to the piece that carries
 /// them.
 void split_bodies(Builder& builder);
+/// Makes bars of segments into rigid bodies, joints and springs, and moves frames and outputs likewise.
+void segment_bodies(Builder& builder);
+void read_neglected_inertia(Builder& builder, Part& model);
 /// Reduces every flexible body; equal ones once.
 void reduce_bodies(Builder& builder);
 

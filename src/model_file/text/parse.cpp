@@ -66,7 +66,7 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
       with_element_sections(
           {"mimbre", "title", "include", "gravity", "parameters", "require", "materials", "sections",
            "bodies", "frames", "joints", "constraints", "springs", "loads", "roads", "tyres", "surfaces",
-           "contacts"},
+           "contacts", "neglected_inertia"},
           {"inputs", "signals", "events", "subsystems", "instances", "outputs", "initial", "simulation"}));
   if (!fields.value().is_map()) builder.errors.throw_if_any();
   check_version(fields);
@@ -111,6 +111,8 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
   warn_of_loaded_nodes(builder);
   warn_of_degrees(builder);
   split_bodies(builder);
+  segment_bodies(builder);
+  read_neglected_inertia(builder, model);
   builder.errors.throw_if_any();
   reduce_bodies(builder);
   builder.errors.throw_if_any();

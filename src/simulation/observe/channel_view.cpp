@@ -28,7 +28,7 @@ Motion<double> ChannelView::motion(int frame) const {
 Vec3d ChannelView::deflection(int frame) const {
   const FrameData& f = model.frames[model.frame_of_spec[frame]];
   const BodyData& b = model.bodies[f.body];
-  const FlexibleData& flexible = model.flexible[f.flexible];
+  const FlexibleData& flexible = model.flexible[b.flexible];
   double* const y = system_.workspace().scratch.data();
   relative::copy_modes(b, state_.q.data() + b.q + b.joint_positions, flexible.stride, y);
   extend(flexible, y);

@@ -22,7 +22,7 @@ double kinetic_energy(const Compiled& m, relative::Workspace<double>& w, const d
     const auto& motion = w.bodies[i];
     const Vec3d u = motion.rotation.transpose() * motion.velocity,
                 omega = motion.rotation.transpose() * motion.omega;
-    if (b.modes == 0) {
+    if (b.modes == 0 || b.elastodynamic) {
       energy += 0.5 * b.mass * u.squaredNorm() + u.dot(omega.cross(b.first_moment)) +
                 0.5 * omega.dot(b.inertia * omega);
       continue;
@@ -40,12 +40,14 @@ double kinetic_energy(const Compiled& m, relative::Workspace<double>& w, const d
                                            projection::rigid_base(u, omega), y, yd, integrals);
       continue;
     }
-    deformed_integrals<double>(f, y, integrals);
-    const Vec3d first = b.first_moment + times(f.S, y), sy = times(f.S, yd);
-    const Mat3d second = deformed_second_moment<double>(f, b.second_moment, integrals, y);
+    const InertiaRows<double> rows = make_inertia_rows<double>(b, f, y, integrals);
+    const Vec3d first = deformed_first_moment<double>(b, f, y), sy = times(f.S, yd);
+    const Mat3d second = deformed_second_moment<double>(b, f, rows, y);
     const Mat3d inertia = second.trace() * Mat3d::Identity() - second;
-    const auto d = [&](int r, int c) { return dot(integrals + (3 * r + c) * n, yd, n); };
-    const Vec3d cy(d(1, 2) - d(2, 1), d(2, 0) - d(0, 2), d(0, 1) - d(1, 0));
+    const double* positions = rows.of(InertiaTerm::rotation_coupling_deformed);
+    const auto d = [&](int r, int c) { return dot(positions + (3 * r + c) * n, yd, n); };
+    Vec3d cy(d(1, 2) - d(2, 1), d(2, 0) - d(0, 2), d(0, 1) - d(1, 0));
+    if (b.neglected.has(InertiaTerm::rotation_coupling)) cy.setZero();
     energy += 0.5 * b.mass * u.squaredNorm() + u.dot(omega.cross(first) + sy) +
               0.5 * omega.dot(inertia * omega) + omega.dot(cy);
     if (f.identity_mass) {
@@ -387,7 +389,7 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
     const BodyData& b = m.bodies[i];
     double mass = b.mass;
     Vec3d first = b.first_moment;
-    if (b.modes > 0) {
+    if (b.modes > 0 && !b.elastodynamic) {
       const double elastic_of_others = e.elastic;
       const FlexibleData& f = m.flexible[b.flexible];
       const relative::ConstantInertia inertia = relative::constant_inertia(m, w, b);

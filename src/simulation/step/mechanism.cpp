@@ -2,6 +2,7 @@
 
 #include "dynamics/relative/forces.h"
 #include "simulation/start/assembly.h"
+#include "simulation/start/elastodynamics.h"
 #include "simulation/step/signal_state.h"
 
 namespace mimbre {
@@ -11,7 +12,9 @@ Mechanism::Mechanism(const Compiled& compiled, const Method& method)
       observer(compiled, method.inertia),
       natural(make_natural(compiled, method)),
       system(natural ? static_cast<System&>(*natural) : observer),
-      generalised_(compiled.velocities) {}
+      generalised_(compiled.velocities) {
+  refuse_elastodynamics(compiled, method);
+}
 
 void Mechanism::observe() { observe_other(state); }
 

@@ -98,6 +98,15 @@ void check_node(const CheckedItem& item, const spec::Frame& frame, const spec::B
                     distance, node.name, body.name, frame.flexible_frame));
 }
 
+/// Linear elastodynamics takes what is linear in the amplitudes.
+void check_elastodynamic(const CheckedItem& item, const spec::Body& body) {
+  if (!body.elastodynamic) return;
+  if (!body.flexible)
+    item.error("is rigid, so that nothing of it bends by elastodynamics");
+  else if (body.flexible->ancf || body.flexible->second_order || body.flexible->geometric)
+    item.error("stiffens, or bends beyond linear theory, which elastodynamics leaves out; take it linear");
+}
+
 }  // namespace
 
 void check_bodies(const spec::Model& model, std::vector<Diagnostic>& errors) {
@@ -111,6 +120,7 @@ void check_bodies(const spec::Model& model, std::vector<Diagnostic>& errors) {
       check_rigid(item, model, k);
     else if (known.insert(body.flexible.get()).second)
       check_flexible(item, *body.flexible);
+    check_elastodynamic(item, body);
   }
 }
 

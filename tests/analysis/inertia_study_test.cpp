@@ -1,0 +1,143 @@
+#include "mimbre/inertia_study.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mimbre/simulation.h"
+#include "support/models.h"
+
+/// Which terms of the inertia a model can do without.
+namespace mimbre::test::inertia_study_test {
+namespace {
+
+using testing::HasSubstr;
+
+/// A bar that a drive turns, or pushes sideways without turning it.
+std::string driven_bar(const std::string& joint) {
+  return R"(
+gravity: [0, 0, 0]
+materials: {alloy: {young: 7e10, poisson: 0.3, density: 2700}}
+sections: {strip: {type: rectangle, height: 0.004, width: 0.02}}
+bodies:
+  bar:
+    frame: {at: [0, 0, 0]}
+    flexible:
+      material: alloy
+      section: strip
+      nodes: {root: [0, 0, 0], tip: [1, 0, 0]}
+      bars: {all: {from: root, to: tip, elements: 6}}
+      clamped: [root]
+      dynamic_modes: 3
+joints:
+  motor: {)" +
+         joint + R"(}
+outputs:
+  - {name: tip, deflection: bar.tip, along: [0, 1, 0]}
+  - {name: stretch, deflection: bar.tip, along: [1, 0, 0]}
+simulation: {step: 1e-3, end: 1.5, output_interval: 1e-2}
+)";
+}
+const std::string turned =
+    "type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 0, 1], drive: {position: "
+    "\"3*t^2\"}";
+const std::string pushed =
+    "type: prismatic, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0], drive: {position: "
+    "\"0.1*t^2\"}";
+
+InertiaStudy study_of(const spec::Model& model, double error) {
+  InertiaStudyOptions options;
+  options.error = error;
+  options.measure = false;
+  return study_inertia(model, options);
+}
+
+/// The largest error of an output by its range, of runs made here.
+double error_of(const spec::Model& with, const spec::Model& without) {
+  Simulation a(Model::compile(with)), b(Model::compile(without));
+  const int n = a.output_count();
+  Eigen::ArrayXd least = Eigen::ArrayXd::Constant(n, INFINITY), most = -least, off = Eigen::ArrayXd::Zero(n);
+  ResultsRow x, y;
+  for (int k = 0; k <= 1500; ++k) {
+    if (k > 0) {
+      EXPECT_TRUE(a.step().ok() && b.step().ok());
+    }
+    if (k % 10 != 0) continue;
+    a.sample(x);
+    b.sample(y);
+    const Eigen::ArrayXd all = x.channels.head(n);
+    least = least.min(all);
+    most = most.max(all);
+    off = off.max((all - y.channels.head(n).array()).abs());
+  }
+  const Eigen::ArrayXd range = (most - least).max(1e-3 * (most - least).maxCoeff());
+  return (off / range).maxCoeff();
+}
+
+TEST(InertiaStudy, KeepsTheErrorThatIsAllowed) {
+  const auto model = model_of(driven_bar(turned));
+  std::size_t before = 0;
+  for (const double error : {1e-5, 1e-3, 0.9}) {
+    const InertiaStudy study = study_of(model->spec(), error);
+    const double found = error_of(model->spec(), with_choice(model->spec(), study));
+    EXPECT_LE(found, error);
+    EXPECT_NEAR(study.error, found, 1e-3 * found + 1e-12);
+    ASSERT_EQ(study.bodies.size(), 1u);
+    const std::size_t count = names_of(study.bodies[0].neglected).size();
+    EXPECT_GE(count, before);  // the more, the more is allowed
+    before = count;
+  }
+  EXPECT_GT(before, 5u);
+}
+
+/// Turned about z: what bends the bar is the angular acceleration, and what softens it is the centrifugal
+/// force by its deflection; none of its modes stretches it.
+TEST(InertiaStudy, KnowsWhatMatters) {
+  const InertiaStudy study = study_of(model_of(driven_bar(turned))->spec(), 1e-3);
+  const auto& term = [&](InertiaTerm t) { return study.terms[static_cast<std::size_t>(t)]; };
+  EXPECT_GT(term(InertiaTerm::rotation_coupling).error, 0.5);
+  EXPECT_GT(term(InertiaTerm::centrifugal).error, 0.05);
+  EXPECT_NEAR(term(InertiaTerm::centrifugal).error, term(InertiaTerm::centrifugal_deformed).error, 1e-6);
+  EXPECT_LT(term(InertiaTerm::second_moment_quadratic).error, 1e-9);  // of a driven body they are reactions
+  EXPECT_LT(term(InertiaTerm::coriolis_body).error, 1e-9);
+  EXPECT_GT(term(InertiaTerm::rotation_coupling).estimate, term(InertiaTerm::coriolis_modes).estimate);
+  const InertiaTerms& gone = study.bodies[0].neglected;
+  EXPECT_TRUE(gone.has(InertiaTerm::coriolis_body) && gone.has(InertiaTerm::second_moment_linear));
+  EXPECT_FALSE(gone.has(InertiaTerm::rotation_coupling) || gone.has(InertiaTerm::centrifugal));
+}
+
+TEST(InertiaStudy, WithoutTurningNeedsNone) {
+  const auto model = model_of(driven_bar(pushed));
+  const InertiaStudy study = study_of(model->spec(), 1e-9);
+  EXPECT_EQ(study.error, 0);
+  for (int k = 0; k < inertia_term_count; ++k) {
+    EXPECT_EQ(study.terms[static_cast<std::size_t>(k)].error, 0)
+        << inertia_terms[static_cast<std::size_t>(k)].name;
+    EXPECT_TRUE(study.bodies[0].neglected.has(static_cast<InertiaTerm>(k)));
+  }
+}
+
+TEST(InertiaStudy, SaysWhatItCannotStudy) {
+  const auto says = [](const spec::Model& model,
+                       const std::vector<std::string>& outputs = {}) -> std::string {
+    InertiaStudyOptions options;
+    options.outputs = outputs;
+    options.measure = false;
+    try {
+      study_inertia(model, options);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(says(example("double-wishbone/model.yaml")->spec()), HasSubstr("no flexible body"));
+  const spec::Model bar = model_of(driven_bar(turned))->spec();
+  EXPECT_THAT(says(bar, {"tipp"}), HasSubstr("'tip'"));
+  spec::Model still = model_of(driven_bar("type: fixed, between: [ground, bar], at: [0, 0, 0]"))->spec();
+  EXPECT_THAT(says(still), HasSubstr("no output moves"));
+}
+
+}  // namespace
+}  // namespace mimbre::test::inertia_study_test

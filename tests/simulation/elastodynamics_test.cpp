@@ -1,0 +1,175 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "analysis/rigid_response.h"
+#include "mimbre/simulation.h"
+#include "support/models.h"
+
+/// Linear elastodynamics: the mechanism moves as if the body were rigid, and bends it.
+namespace mimbre::test::elastodynamics_test {
+namespace {
+
+spec::Model slider_crank(const std::string& speed, bool elastodynamic, const std::string& rod = "flexible") {
+  spec::Model model = example("slider-crank/slider-crank.yaml", {{"speed", speed}, {"rod", rod}})->spec();
+  for (spec::Body& body : model.bodies) body.elastodynamic = elastodynamic && body.flexible;
+  return model;
+}
+int rod_of(const spec::Model& model) {
+  for (std::size_t k = 0; k < model.bodies.size(); ++k)
+    if (model.bodies[k].name == "rod") return static_cast<int>(k);
+  return -1;
+}
+
+/// The same forces on the same modes, integrated by another program.
+TEST(Elastodynamics, BendsAsTheForcesOfTheRigidMechanismSay) {
+  // With the modes that the joints leave.
+  const spec::Model model = Model::compile(slider_crank("60", true))->spec();
+  const int rod = rod_of(model);
+  double before = 0;
+  for (const double step : {1e-5, 5e-6}) {
+    ModeSelectionOptions options;
+    options.end = 0.1;
+    options.run.step = step;
+    spec::Model sampled = model;
+    sampled.simulation.step = step;
+    sampled.simulation.output_interval = step;
+    const AmplitudeHistory found =
+        amplitudes_with(sampled, rod, *model.bodies[static_cast<std::size_t>(rod)].flexible, options);
+    spec::Model plain = sampled;
+    plain.bodies[static_cast<std::size_t>(rod)].elastodynamic = false;
+    const AmplitudeHistory expected = rigid_response(plain, rod, options);
+    ASSERT_EQ(found.amplitudes.cols(), expected.amplitudes.cols());
+    const double error = (found.amplitudes - expected.amplitudes).norm() / expected.amplitudes.norm();
+    EXPECT_LT(error, step == 1e-5 ? 1e-4 : 3e-5);
+    if (before > 0) {
+      EXPECT_GT(before / error, 3);
+    }
+    before = error;
+  }
+}
+
+/// The rigid mechanism and the one with the body that only bends, all the way.
+TEST(Elastodynamics, MovesAsIfRigid) {
+  RunOptions options;
+  options.step = 1e-4;
+  Simulation bending(Model::compile(slider_crank("60", true)), options),
+      rigid(Model::compile(slider_crank("60", false, "rigid")), options);
+  const auto place = bending.body("slider"), other = rigid.body("slider");
+  for (int k = 0; k < 1000; ++k) {
+    ASSERT_TRUE(bending.step().ok());
+    ASSERT_TRUE(rigid.step().ok());
+    // The example's rigid rod has another inertia about its axis, which does not turn.
+    EXPECT_LT((bending.pose(place).position - rigid.pose(other).position).norm(), 1e-8);
+  }
+  for (const std::string& warning : bending.warnings())
+    EXPECT_THAT(warning, testing::HasSubstr("linear theory"));
+}
+
+/// The largest distance of the rod's middle from the line between its ends, from above to below.
+double bend(const std::string& speed, bool elastodynamic, double turns) {
+  spec::Model model = slider_crank(speed, elastodynamic);
+  model.gravity.setZero();
+  RunOptions options;
+  const double end = turns * 2 * std::numbers::pi / std::stod(speed);
+  options.step = end / 8000;
+  Simulation simulation(Model::compile(model), options);
+  const int rod = rod_of(model);
+  const ReducedBody& body = *simulation.model().spec().bodies[static_cast<std::size_t>(rod)].flexible;
+  const auto deflection = [&](const char* node) -> Eigen::RowVectorXd {
+    return body.frames[static_cast<std::size_t>(body.find_frame(node))].X.row(2);
+  };
+  const Eigen::RowVectorXd sag = deflection("middle") - 0.5 * deflection("small_end");
+  ResultsRow row;
+  double least = 0, most = 0;
+  for (int k = 0; k < 8000; ++k) {
+    EXPECT_TRUE(simulation.step().ok());
+    simulation.picture(row);
+    if (k < 4000) continue;  // vibrations of the start die away
+    least = std::min(least, sag.dot(row.modes));
+    most = std::max(most, sag.dot(row.modes));
+  }
+  return most - least;
+}
+
+/// Slow, the rod bends as in its floating frame; the faster, the more do its tension and its turning change
+/// how it vibrates, of which elastodynamics knows nothing.
+TEST(Elastodynamics, IsTheLimitOfASlowMechanism) {
+  double before = INFINITY;
+  for (const char* speed : {"120", "60", "30", "15"}) {
+    const double off = std::abs(bend(speed, true, 8) / bend(speed, false, 8) - 1);
+    EXPECT_LT(off, before) << speed;
+    before = off;
+  }
+  EXPECT_LT(before, 0.02);
+}
+
+/// Where a drive knows no reaction, and the body does not turn, nothing is left out.
+TEST(Elastodynamics, OfAPushedBodyIsExact) {
+  spec::Model model = model_of(R"(
+gravity: [0, 0, -9.81]
+materials: {alloy: {young: 7e10, poisson: 0.3, density: 2700}}
+sections: {strip: {type: rectangle, height: 0.01, width: 0.01}}
+bodies:
+  bar:
+    frame: {at: [0, 0, 0]}
+    flexible:
+      material: alloy
+      section: strip
+      nodes: {root: [0, 0, 0], tip: [1, 0, 0]}
+      bars: {all: {from: root, to: tip, elements: 4}}
+      clamped: [root]
+      static_modes: [{node: tip, all: true}]
+joints:
+  push: {type: prismatic, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0], drive: {position: 0.01*sin(20*t)
+}
+}
+loads:
+  pull: {on: bar.tip, force: [0, 1, 2], scale: sin(30*t)}
+simulation: {step: 1e-3, end: 0.2}
+)")
+                          ->spec();
+  RunOptions options;
+  options.energy_tolerance = 1;  // the same steps
+  options.tolerance = 1e-12;
+  Simulation frame(Model::compile(model), options);
+  model.bodies[0].elastodynamic = true;
+  Simulation elastodynamic(Model::compile(model), options);
+  double largest = 0, off = 0;
+  ResultsRow x, y;
+  for (int k = 0; k < 200; ++k) {
+    ASSERT_TRUE(frame.step().ok());
+    ASSERT_TRUE(elastodynamic.step().ok());
+    frame.picture(x);
+    elastodynamic.picture(y);
+    largest = std::max(largest, x.modes.norm());
+    off = std::max(off, (x.modes - y.modes).norm());
+  }
+  EXPECT_GT(largest, 1e-3);
+  EXPECT_LT(off, 1e-9 * largest);
+}
+
+TEST(Elastodynamics, RefusesWhatItCannotFollow) {
+  const auto model = Model::compile(slider_crank("30", true));
+  RunOptions natural, explicit_rule, index1;
+  natural.formulation = spec::Simulation::Formulation::natural;
+  explicit_rule.integrator = spec::Simulation::Integrator::rk4;
+  index1.formalism = spec::Simulation::Formalism::index1;
+  for (const auto& [options, needs] :
+       {std::pair(natural, "formulation: relative"), std::pair(explicit_rule, "generalized_alpha"),
+        std::pair(index1, "formalism: index3")}) {
+    try {
+      Simulation refused(model, options);
+      ADD_FAILURE() << needs;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(needs));
+      EXPECT_THAT(error.what(), testing::HasSubstr("rod"));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mimbre::test::elastodynamics_test
