@@ -6,7 +6,7 @@ JOBS ?= $(shell nproc)
 PROGRAM := $(BUILD)/mimbre
 
 .DEFAULT_GOAL := build
-.PHONY: help packages test-tools configure build python docs docs-tools wheel sdist demo live page test bench bench-peers lint format clean
+.PHONY: help packages test-tools configure build python docs docs-tools wheel sdist demo live page test bench bench-peers which-formulation lint format clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 20
@@ -87,6 +87,9 @@ test: test-tools build ## Build everything and run all checks and tests (LIGHT=1
 bench: configure ## Run the benchmarks
 	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_bench
 	$(BUILD)/bench/mimbre_bench
+
+which-formulation: build ## Make docs/which-formulation.md anew: all ways to bend on the same models
+	python3 bench/which_formulation.py --program $(PROGRAM)
 
 bench-peers: configure ## Compare with Exudyn, MuJoCo, Pinocchio, Drake (CASES="chain-10 ur5": these only)
 	@cmake --build $(BUILD) --parallel $(JOBS) --target mimbre_program

@@ -42,6 +42,8 @@ struct FlexibleBody {
   Axes axes{};
   std::vector<spec::Shape> shapes{};
   std::string in{};
+  bool elastodynamic = false;  ///< it bends by linear elastodynamics: see spec::Body
+  InertiaTerms neglected{};    ///< terms of its inertia that the model does without
 };
 
 /// A point with axes that others can name.

@@ -51,9 +51,10 @@ struct Body {
   Eigen::Vector3d com = Eigen::Vector3d::Zero();
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   std::shared_ptr<const ReducedBody>
-      flexible;  ///< set for a flexible body; then mass, com, inertia are unused
+      flexible;            ///< set for a flexible body; then mass, com, inertia are unused
   InertiaTerms neglected;  ///< of a flexible body
-  /// Linear elastodynamics: it moves as if it were rigid, and what acts on it then bends it, without reaction.
+  /// Linear elastodynamics: it moves as if it were rigid, and what acts on it then bends it, without
+  /// reaction.
   bool elastodynamic = false;
   std::vector<Shape> shapes;
   std::vector<std::array<Eigen::Vector3d, 2>> lines;  ///< drawing of a rigid body, body axes
@@ -178,6 +179,9 @@ struct Joint {
   /// Near what a coordinate is where it is free to be found, likewise.
   std::vector<std::optional<double>> near;
   bool apart = false;  ///< the frames are those of bodies drawn apart (mimbre/assembly.h)
+  /// Between rigid segments of one elastic body: it starts straight and at rest, as modes do, unless loops
+  /// need it.
+  bool elastic = false;
 };
 
 /// Translational spring–damper between two frames' origins: tension = elastic(length) + damping(rate) +

@@ -388,6 +388,78 @@ def select(
     return Selection(ReducedBody(found.body), kept, dropped, *errors, found.candidates, found.runs)
 
 
+@dataclass(frozen=True)
+class InertiaTerm:
+    """A term of flexible bodies' inertia, and what a model is without it in all of them."""
+
+    name: str
+    estimate: float
+    """Its share in what inertia does in a step, a ratio."""
+    error: float
+    """The largest of an output, by its range; infinite where the run fails."""
+    cost: float
+    """Time of a step, by that with all terms; NaN where it was not measured."""
+
+
+@dataclass(frozen=True)
+class InertiaChoice:
+    """Which terms of flexible bodies' inertia a model can do without."""
+
+    neglected: dict[str, list[str]]
+    """The choice: names of terms by body."""
+    error: float
+    """Of the choice: the largest of an output, by its range."""
+    worst: str
+    """The output that has it; empty without an error."""
+    cost: float
+    """Time of a step, by that with all terms; NaN where it was not measured."""
+    terms: list[InertiaTerm]
+    """Each term, neglected in all bodies."""
+    runs: int
+    """How many runs of the model it took."""
+
+
+def inertia_terms(
+    model: Model,
+    *,
+    error: float = 1e-3,
+    outputs: Sequence[str] = (),
+    until: float | None = None,
+    measure: bool = False,
+    progress: Callable[[str, float], object] | None = None,
+    **method: Unpack[Method],
+) -> InertiaChoice:
+    """Finds the terms of flexible bodies' inertia that a model can do without, as `mimbre terms`.
+
+    Args:
+        model: with flexible bodies.
+        error: how far an output may be off, by its range in the run; a ratio above 0 up to 1.
+        outputs: names of channels; default: the model's outputs, or the coordinates of its joints.
+        until: end of the runs, s; default: the model's.
+        measure: the time of a step, too.
+        progress: is called with what is being done and how much of it is, 0 to 1.
+        **method: see `Method`.
+
+    Returns:
+        The choice, for `ModelBuilder.neglect_inertia` or the section `neglected_inertia` of a model file.
+
+    Raises:
+        InputError: there is no flexible body, no output moves, or one is unknown.
+        SimulationError: the run with all terms fails.
+    """
+    share, end = _checks.number("error", error), _checks.given("until", until)
+    if not 0 < share <= 1:
+        raise InputError(f"error: is {share:g}; a ratio above 0 and up to 1 is needed")
+    if end is not None and end <= 0:
+        raise InputError(f"until: is {end:g} s; a time above 0 is needed")
+    names = [_checks.text("output", name) for name in outputs]
+    found = _core.inertia_terms(
+        compiled(model), checked_method(method), share, names, end, measure, _checks.callback(progress)
+    )
+    terms = [InertiaTerm(*term) for term in found.terms]
+    return InertiaChoice(dict(found.neglected), found.error, found.worst, found.cost, terms, found.runs)
+
+
 def convert(
     source: ReducedBody | str | os.PathLike[str], target: str | os.PathLike[str], *, stress: bool = True
 ) -> ReducedBody:

@@ -55,6 +55,7 @@ _order = (
     "drags",
     "subsystems",
     "instances",
+    "neglected_inertia",
     "outputs",
 )
 _lists = ("require", "outputs")
@@ -468,6 +469,11 @@ class ModelBuilder(Part):
     def set_simulation(self, **keys: Unpack[words.Simulation]) -> None:
         """Step (s), end (s) and method of runs that do not set them: the keys of `simulation` in the model file."""
         self._simulation = (dict(keys), _caller())
+
+    def neglect_inertia(self, body: str, /, terms: Sequence[str]) -> None:
+        """Terms of a flexible body's inertia that the model does without, as `mimbre.inertia_terms` finds them; "all":
+        of all flexible bodies."""
+        self._add("neglected_inertia", body, {"terms": list(terms)}, "terms")
 
     def add_road(self, name: str, /, **keys: Unpack[words.Road]) -> None:
         """What tyres roll on: over ("distance" or "time"), points (n × 2: m or s, height in m), repeat."""

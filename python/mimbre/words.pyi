@@ -167,9 +167,10 @@ class Flexible(TypedDict, total=False):
     stiffening: Literal["linear", "foreshortening", "nonlinear_stiffness_1", "nonlinear_stiffness_2", "geometric_stiffness"] | str
     # Of the nonlinear stiffnesses: the strain energy's gradient, or the published force.
     stiffening_force: Literal["consistent", "published"] | str
-    # What becomes of the bars: modes, a floating frame for every element, or absolute nodal coordinates
-    # in a plane.
-    beam: Literal["reduced", "corotational", "ancf"] | str
+    # What becomes of the bars: modes; a floating frame for every element; absolute nodal coordinates in a
+    # plane; rigid segments, one at each node, with springs against turning in the middle of each element,
+    # or also along and across.
+    beam: Literal["reduced", "corotational", "ancf", "segments", "stretching_segments"] | str
     # Of the bars: sections at right angles to the axis, these with rotary inertia, or shear and rotary
     # inertia.
     beam_theory: Literal["euler_bernoulli", "rayleigh", "timoshenko"] | str
@@ -201,6 +202,9 @@ class Body(TypedDict, total=False):
     as_: str
     # Its frame; default: at the centre of mass, global axes; of a flexible body its tangent frame.
     frame: Pose
+    # How it deforms: in its floating frame, as a part of the mechanism; or by linear elastodynamics: the
+    # mechanism moves as if the body were rigid, and what acts on it bends it, without reaction.
+    flexibility: Literal["floating_frame", "elastodynamics"] | str
     # Its description as a rigid body.
     rigid: BodyRigid
     # Its description by beams.

@@ -14,6 +14,7 @@
 #include "attention.h"
 #include "bindings.h"
 #include "loaded_model.h"
+#include "mimbre/inertia_study.h"
 #include "mimbre/mode_selection.h"
 #include "mimbre/results.h"
 #include "mimbre/statics.h"
@@ -163,6 +164,39 @@ auto modes_of(const std::vector<ModeSelection::Mode>& modes) {
   return list;
 }
 
+InertiaStudy terms_of_inertia(const LoadedModel& loaded, const MethodChoice& method, double error,
+                              const std::vector<std::string>& outputs, std::optional<double> end,
+                              bool measure, const std::optional<nb::callable>& progress) {
+  const spec::Model& model = loaded.model->spec();
+  InertiaStudyOptions options;
+  options.error = error;
+  options.outputs = outputs;
+  options.end = end.value_or(0);
+  options.measure = measure;
+  options.run = method.options(model.simulation);
+  Attention attention;
+  struct Stopped {};
+  options.attend = [&] {
+    if (attention.stop()) throw Stopped();
+  };
+  if (progress)
+    options.progress = [&](const std::string& stage, double done) {
+      attention.call([&] { (*progress)(stage, done); });
+      options.attend();
+    };
+  InertiaStudy study;
+  try {
+    study = computed(Mark{model.file, 0, 0}, [&] { return study_inertia(model, options); });
+  } catch (const Stopped&) {
+    attention.raise();
+  }
+  if (!measure) {
+    study.cost = std::numeric_limits<double>::quiet_NaN();
+    for (InertiaStudy::Term& term : study.terms) term.cost = study.cost;
+  }
+  return study;
+}
+
 std::shared_ptr<ReducedBody> without_stress(const ReducedBody& body) {
   auto copy = std::make_shared<ReducedBody>(body);
   copy->stress.resize(0, 0);
@@ -214,6 +248,29 @@ void bind_analysis(nb::module_& module) {
       .def_ro("runs", &ModeSelection::runs);
   module.def("select", &selection, nb::arg("model"), nb::arg("method"), nb::arg("body"), nb::arg("error"),
              nb::arg("combinations"), nb::arg("rigid"), nb::arg("end").none(), nb::arg("progress").none());
+
+  nb::class_<InertiaStudy>(module, "InertiaStudy")
+      .def_prop_ro("neglected",
+                   [](const InertiaStudy& s) {
+                     std::map<std::string, std::vector<std::string>> names;
+                     for (const InertiaStudy::Body& body : s.bodies)
+                       if (!body.neglected.empty()) names[body.name] = names_of(body.neglected);
+                     return names;
+                   })
+      .def_prop_ro("terms",
+                   [](const InertiaStudy& s) {
+                     std::vector<std::tuple<std::string, double, double, double>> list;
+                     for (const InertiaStudy::Term& t : s.terms)
+                       list.emplace_back(inertia_terms[static_cast<std::size_t>(t.term)].name, t.estimate,
+                                         t.error, t.cost);
+                     return list;
+                   })
+      .def_ro("error", &InertiaStudy::error)
+      .def_ro("worst", &InertiaStudy::worst)
+      .def_ro("cost", &InertiaStudy::cost)
+      .def_ro("runs", &InertiaStudy::runs);
+  module.def("inertia_terms", &terms_of_inertia, nb::arg("model"), nb::arg("method"), nb::arg("error"),
+             nb::arg("outputs"), nb::arg("end").none(), nb::arg("measure"), nb::arg("progress").none());
   module.def("without_stress", &without_stress, nb::arg("body"));
 }
 

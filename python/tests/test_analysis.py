@@ -119,6 +119,62 @@ def test_select_is_the_program_s(examples, tmp_path):
         mimbre.select(mimbre.Model.from_file(path), "front_left.arn")
 
 
+BAR = """
+mimbre: 1
+gravity: [0, 0, 0]
+materials: {alloy: {young: 7e10, poisson: 0.3, density: 2700}}
+sections: {strip: {type: rectangle, height: 0.004, width: 0.02}}
+bodies:
+  bar:
+    frame: {at: [0, 0, 0]}
+    flexible:
+      material: alloy
+      section: strip
+      nodes: {root: [0, 0, 0], tip: [1, 0, 0]}
+      bars: {all: {from: root, to: tip, elements: 4}}
+      clamped: [root]
+      dynamic_modes: 2
+joints:
+  motor: {type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 0, 1], drive: {position: 2*t^2}}
+outputs:
+  - {name: tip, deflection: bar.tip, along: [0, 1, 0]}
+simulation: {step: 1e-3, end: 0.4, output_interval: 1e-2}
+"""
+
+
+def test_inertia_terms_are_the_program_s(tmp_path):
+    path = tmp_path / "bar.yaml"
+    path.write_text(BAR)
+    model = mimbre.Model.from_file(path)
+    stages = []
+    found = mimbre.inertia_terms(model, error=0.005, progress=lambda stage, done: stages.append((stage, done)))
+    said = json.loads(program("terms", path, "--error", 0.5, "--json"))
+    assert found.neglected == said["neglected"]
+    assert "coriolis_body" in found.neglected["bar"]
+    assert "rotation_coupling" not in found.neglected["bar"]
+    assert found.error == pytest.approx(said["error"] / 100)
+    assert found.error <= 0.005
+    assert found.runs == said["runs"]
+    assert [term.name for term in found.terms] == [term["term"] for term in said["terms"]]
+    assert all(np.isnan(term.cost) for term in found.terms)
+    assert stages[0] == ("run with all terms", 0)
+    with pytest.raises(mimbre.UnknownName, match="'tip'"):
+        mimbre.inertia_terms(model, outputs=["tipp"])
+    with pytest.raises(mimbre.InputError, match="no flexible body"):
+        mimbre.inertia_terms(built_pendulum())
+    with pytest.raises(mimbre.InputError, match="error: is 0"):
+        mimbre.inertia_terms(model, error=0)
+    more = mimbre.inertia_terms(model, error=0.005, until=0.2, measure=True)
+    assert more.cost > 0
+
+
+def built_pendulum():
+    m = mimbre.ModelBuilder()
+    m.add_body("bar", mass=1, com=[1, 0, 0], inertia=[1, 1, 1])
+    m.add_joint("hinge", type="revolute", between=["ground", "bar"], at=[0, 0, 0], axis=[0, 1, 0])
+    return m.compile()
+
+
 def test_convert_is_the_program_s(examples, tmp_path):
     path = examples / "solid-arm/arm.h5"
     body = mimbre.convert(path, tmp_path / "arm.sid", stress=False)

@@ -187,6 +187,9 @@ def calls(pendulum: mimbre.Model, folder: Path, data: st.DataObject) -> Calls:
         "compare": lambda: mimbre.compare(run, drawn()),
         "stress": lambda: mimbre.stress(run, drawn(), spots=drawn(), apart=drawn()),
         "select": lambda: mimbre.select(pendulum, drawn(), error=drawn()),
+        "inertia terms": lambda: mimbre.inertia_terms(
+            pendulum, error=drawn(), outputs=drawn(), until=drawn(), measure=drawn()
+        ),
         "convert": lambda: mimbre.convert(drawn(), drawn()),
         "sweep": lambda: mimbre.sweep(pendulum, drawn(), outputs=["angle"], until=0.02),
         "sweep as": lambda: mimbre.sweep(pendulum, {"k": [1, 2]}, outputs=drawn(), reduce=drawn(), until=0.02),

@@ -267,3 +267,23 @@ def test_texts_come_through(text):
     m = mimbre.ModelBuilder(text)
     m.add_body("bar", mass=1, com=[0, 0, 0], inertia=[1, 1, 1])
     assert m.compile().title == text
+
+
+def test_inertia_is_neglected(examples):
+    def turned(terms):
+        m = mimbre.ModelBuilder(gravity=[0, 0, 0])
+        arm = mimbre.ReducedBody.open(examples / "solid-arm/arm.h5")
+        m.add_body("arm", reduced=arm, frame={"at": [0, 0, 0]})
+        m.add_joint(
+            "hinge", type="revolute", between=["ground", "arm"], at=[0, 0, 0], axis=[0, 0, 1], drive={"position": "t^2"}
+        )
+        if terms:
+            m.neglect_inertia("arm", terms)
+        assert ("neglected_inertia" in m.to_yaml()) == bool(terms)
+        return m.compile().run(until=0.1, step=1e-3)
+
+    every, few = turned([]), turned(["rotation_coupling", "centrifugal"])
+    bends, less = (np.abs(run.modes).max() for run in (every, few))
+    assert less < 0.9 * bends
+    with pytest.raises(mimbre.InputError, match="coriolis_modes"):
+        turned(["coriolis_mode"])

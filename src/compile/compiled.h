@@ -117,8 +117,8 @@ struct BodyData {
   std::array<signed char, 6> joint_axes{-1, -1, -1, -1, -1, -1};
   int modes = 0;
   int flexible = -1;
-  InertiaTerms neglected;  ///< complete()
-  bool elastodynamic = false;  ///< its modes move nothing but themselves
+  InertiaTerms neglected;               ///< complete()
+  bool elastodynamic = false;           ///< its modes move nothing but themselves
   int first_frame = 0, last_frame = 0;  ///< frames that dynamics needs: [first, last)
   double mass = 0;
   Vec3d first_moment = Vec3d::Zero();   ///< rigid body: ∫ r̄ dm

@@ -62,6 +62,8 @@ void ModelBuilder::add_flexible_body(const std::string& name, std::shared_ptr<co
   body.name = name;
   body.pose = addition.pose(place.at, place.axes);
   body.flexible = std::move(reduced);
+  body.neglected = place.neglected;
+  body.elastodynamic = place.elastodynamic;
   body.shapes = place.shapes;
   keep(*impl_, addition, std::move(body));
 }

@@ -217,9 +217,9 @@ void members(A& archive, Of<spec::JointSpring> auto& x) {
 template <class A>
 void members(A& archive, Of<spec::Joint> auto& x) {
   auto& [name, mark, type, frame_a, frame_b, cut, drives, springs, initial_position, initial_velocity, near,
-         apart] = x;
+         apart, elastic] = x;
   archive(name, mark, type, frame_a, frame_b, cut, drives, springs, initial_position, initial_velocity, near,
-          apart);
+          apart, elastic);
 }
 template <class A>
 void members(A& archive, Of<spec::Spring> auto& x) {

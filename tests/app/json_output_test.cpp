@@ -87,8 +87,8 @@ TEST_F(JsonOutput, AgainstTheClockKeepsTheSchema) {
 /// They answer before any file is read.
 TEST_F(JsonOutput, OfWrongUseKeepsTheSchema) {
   for (const char* command :
-       {"run", "check", "static", "report", "compare", "bench", "verify", "reduce", "select", "terms", "convert",
-        "stress", "export", "generate", "fmu", "page", "live", "plan"}) {
+       {"run", "check", "static", "report", "compare", "bench", "verify", "reduce", "select", "terms",
+        "convert", "stress", "export", "generate", "fmu", "page", "live", "plan"}) {
     answer({command}, 2, "error");
     answer({command, "--no-such-option"}, 2, "error");
   }

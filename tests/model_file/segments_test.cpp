@@ -193,5 +193,31 @@ outputs: [{{name: x, position: beam, at: [{}, 0, 0], component: x}}, {{name: z, 
   EXPECT_NEAR(simulation.value(z), 0, 0.01 * length);
 }
 
+/// In a loop that moves at the start the rod moves as a whole: no segment is left behind, none bends.
+TEST(Segments, StartInMotionAsOneBody) {
+  std::vector<double> turning;
+  for (const char* approach : {"segments", "floating_frame"}) {
+    Simulation simulation(example("slider-crank/slider-crank.yaml",
+                                  {{"approach", approach}, {"elements", "8"}, {"speed", "20"}}));
+    ResultsRow row;
+    simulation.sample(row);
+    int elastic = 0;
+    for (std::size_t k = 0; k < simulation.channels().size(); ++k) {
+      const std::string& name = simulation.channels()[k].name;
+      const double value = row.channels[static_cast<Eigen::Index>(k)];
+      if (name.find(".velocity") == std::string::npos) continue;
+      if (name.starts_with("joint.pin.")) turning.push_back(value);
+      if (!name.starts_with("joint.rod.")) continue;
+      ++elastic;
+      EXPECT_NEAR(value, 0, 1e-9) << name;
+    }
+    EXPECT_EQ(elastic, approach == std::string("segments") ? 24 : 0);
+  }
+  ASSERT_EQ(turning.size(), 2U);
+  // The crank's 20 rad/s forwards, and the rod's 10 back.
+  EXPECT_NEAR(std::abs(turning[0]), 30, 1e-9);
+  EXPECT_NEAR(turning[0], turning[1], 1e-9);
+}
+
 }  // namespace
 }  // namespace mimbre::test::segments_test

@@ -202,8 +202,8 @@ std::optional<int> chosen_description(const Fields& fields) {
 }
 
 void read_body(Builder& builder, const Part& part, const Value& value, int index) {
-  const Fields fields(
-      value, {"mass", "com", "inertia", "frame", "as", "rigid", "flexible", "reduced", "flexibility", "shapes", "lines"});
+  const Fields fields(value, {"mass", "com", "inertia", "frame", "as", "rigid", "flexible", "reduced",
+                              "flexibility", "shapes", "lines"});
   // A copy: the vectors of the builder stay as they are meanwhile.
   spec::Body body = builder.model.bodies[static_cast<std::size_t>(index)];
   BodyInfo info;

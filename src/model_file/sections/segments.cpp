@@ -145,7 +145,8 @@ class SegmentAssembly {
       joint.type = stretches ? spec::JointType::floating : spec::JointType::spherical;
     joint.frame_a = add_frame(joint.name + ".a", segment(from), {middle - segment(from).origin, axes});
     joint.frame_b = add_frame(joint.name + ".b", segment(to), {middle - segment(to).origin, axes});
-    joint.cut = in_tree ? spec::Joint::Cut::automatic : spec::Joint::Cut::always;
+    joint.elastic = true;
+    joint.cut = in_tree ? spec::Joint::Cut::never : spec::Joint::Cut::always;
     add_springs(name + ".springs", element, at, axes, joint, stretches);
     // A joint that is free in everything closes no loop.
     const bool free = joint.type == spec::JointType::floating;

@@ -181,7 +181,15 @@ Eigen::VectorXd readiness(const relative::RelativeSystem& system) {
       const double energy = elastic_energy(m, b, k), stiff = energy > softest ? energy / softest : 1;
       ready[b.v + b.joint_velocities + k] *= readiest_mode * std::max(1 / std::sqrt(stiff), stiffest_mode);
     }
+  for (const BodyData& b : m.bodies)
+    if (m.spec().joints[b.joint_spec].elastic) ready.segment(b.v, b.joint_velocities) *= readiest_mode;
   return ready;
+}
+
+/// Coordinates of the body that deform something elastic: first, count.
+std::pair<int, int> elastic_coordinates(const Compiled& m, const BodyData& b) {
+  const bool joint = m.spec().joints[b.joint_spec].elastic;
+  return {joint ? b.v : b.v + b.joint_velocities, (joint ? b.joint_velocities : 0) + b.modes};
 }
 
 /// Sets what the user gave of a joint's positions and velocities; weights 0 mark given ones.
@@ -190,9 +198,10 @@ void set_given(const Compiled& m, SignalValues<double>& signals, State& s, Eigen
   for (const BodyData& b : m.bodies) {
     const spec::Joint& joint = m.spec().joints[b.joint_spec];
     const JointInfo& info = joint_info(joint.type);
-    // Modes start straight and at rest unless the loops need them.
-    position_weight.segment(b.v + b.joint_velocities, b.modes).setZero();
-    velocity_weight.segment(b.v + b.joint_velocities, b.modes).setZero();
+    // What is elastic starts straight and at rest unless the loops need it.
+    const auto [elastic, count] = elastic_coordinates(m, b);
+    position_weight.segment(elastic, count).setZero();
+    velocity_weight.segment(elastic, count).setZero();
     if (info.quaternion >= 0) s.q[b.q + info.quaternion] = 1;
     Vec3d turn = Vec3d::Zero();
     const auto begin = [&](const std::vector<std::optional<double>>& values, bool is_fixed) {
@@ -284,22 +293,22 @@ State assembled_state(const Compiled& m, relative::RelativeSystem& system,
     return InputError({}, fmt::format("a driven joint contradicts the initial values: {:.3g} {} is left", gap,
                                       angle ? angle_unit : unit));
   };
-  const auto let_modes_move = [&](Eigen::VectorXd& weight) {
+  const auto let_bend = [&](Eigen::VectorXd& weight) {
     const Eigen::VectorXd all = readiness(system);
     for (const BodyData& b : m.bodies) {
-      const int first = b.v + b.joint_velocities;
-      weight.segment(first, b.modes) = all.segment(first, b.modes);
+      const auto [first, count] = elastic_coordinates(m, b);
+      weight.segment(first, count) = all.segment(first, count);
     }
   };
   double gap = close_positions(system, 0, position_weight, s.q);
   if (gap > close_enough) {
-    let_modes_move(position_weight);
+    let_bend(position_weight);
     gap = close_positions(system, 0, position_weight, s.q);
   }
   if (!(gap <= close_enough)) throw where(system.phi(), closing, "m", "rad");
   gap = close_velocities(system, 0, s.q, velocity_weight, s.v);
   if (gap > close_enough) {
-    let_modes_move(velocity_weight);
+    let_bend(velocity_weight);
     gap = close_velocities(system, 0, s.q, velocity_weight, s.v);
   }
   if (!(gap <= close_enough))
