@@ -11,6 +11,7 @@ import csv
 import json
 import math
 import pathlib
+import shutil
 import subprocess
 import tempfile
 from dataclasses import dataclass, field
@@ -80,7 +81,7 @@ class Runner:
 
 def figure(title: str, across: str, up: str, lines: dict[str, list[tuple[float, float]]], points: bool = False) -> str:
     """Curves, or marks with their names, in a diagram of two logarithmic axes."""
-    width, height, left, below = 640, 400, 70, 60
+    width, height, left, below = 690, 400, 70, 60
     every = [p for line in lines.values() for p in line if p[0] > 0 and p[1] > 0]
     low = [math.log10(min(p[k] for p in every)) for k in (0, 1)]
     high = [math.log10(max(p[k] for p in every)) for k in (0, 1)]
@@ -90,13 +91,13 @@ def figure(title: str, across: str, up: str, lines: dict[str, list[tuple[float, 
 
     def place(p: tuple[float, float]) -> tuple[float, float]:
         share = [(math.log10(p[k]) - low[k]) / (high[k] - low[k]) for k in (0, 1)]
-        return left + share[0] * (width - left - 150), height - below - share[1] * (height - below - 40)
+        return left + share[0] * (width - left - 200), height - below - share[1] * (height - below - 40)
 
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-family="sans-serif" font-size="11">',
         '<rect width="100%" height="100%" fill="white"/>',
         f'<text x="{left}" y="20" font-weight="bold">{title}</text>',
-        f'<text x="{(left + width - 150) / 2}" y="{height - 12}" text-anchor="middle">{across}</text>',
+        f'<text x="{(left + width - 200) / 2}" y="{height - 12}" text-anchor="middle">{across}</text>',
         f'<text transform="translate(16 {height / 2}) rotate(-90)" text-anchor="middle">{up}</text>',
     ]
     for k in (0, 1):
@@ -106,7 +107,7 @@ def figure(title: str, across: str, up: str, lines: dict[str, list[tuple[float, 
                 if not low[k] <= math.log10(value) <= high[k]:
                     continue
                 x, y = place((value, 10 ** low[1]) if k == 0 else (10 ** low[0], value))
-                end = f"V40" if k == 0 else f"H{width - 150}"
+                end = f"V40" if k == 0 else f"H{width - 200}"
                 parts.append(f'<path d="M{x:.1f} {y:.1f}{end}" stroke="#ddd"/>')
                 at = f'x="{x:.1f}" y="{y + 14:.1f}" text-anchor="middle"' if k == 0 else f'x="{x - 4:.1f}" y="{y + 4:.1f}" text-anchor="end"'
                 parts.append(f"<text {at}>{value:g}</text>")
@@ -119,7 +120,7 @@ def figure(title: str, across: str, up: str, lines: dict[str, list[tuple[float, 
             path = "L".join(f"{x:.1f} {y:.1f}" for x, y in shown)
             parts.append(f'<path d="M{path}" fill="none" stroke="{colour}" stroke-width="1.5"/>')
         parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}"/>' for x, y in shown]
-        parts.append(f'<text x="{width - 142}" y="{50 + 16 * k}" fill="{colour}">● {name}</text>')
+        parts.append(f'<text x="{width - 192}" y="{50 + 16 * k}" fill="{colour}">● {name}</text>')
     return "\n".join([*parts, "</svg>"]) + "\n"
 
 
@@ -242,6 +243,64 @@ def mechanism(runner: Runner, file: pathlib.Path, ways: list[Way], options: str)
     return table(["", "largest error of an output", "which", "time by the first's", "iterations a step"], rows)
 
 
+ARM = (
+    "--units mm --material 2.1e11,0.3,7850 --interface front=group:front --interface rear=group:rear "
+    "--interface ball=group:ball --interface shock=group:seat --point front=108,0,0 --point rear=-108,0,0 "
+    "--point ball=0,321.4603,0 --point shock=75,248.6166,-4.6668 --free-modes 0 --damping 0.01"
+)
+
+
+def bases(runner: Runner) -> tuple[str, str]:
+    """Of the solid arm, in its suspension."""
+    copy = runner.folder / "examples"
+    shutil.copytree(EXAMPLES / "iltis", copy / "iltis")
+    shutil.copytree(EXAMPLES / "solid-arm", copy / "solid-arm")
+    file, arm = copy / "solid-arm/suspension.yaml", copy / "solid-arm/arm.h5"
+
+    def program(*words: object) -> dict[str, object]:
+        done = subprocess.run([runner.program, *map(str, words), "--json"], capture_output=True, text=True)
+        answer = json.loads(done.stdout)
+        if answer.get("status") == "error":
+            raise RuntimeError(answer["errors"][0]["message"])
+        return answer
+
+    def reduced(basis: str, modes: int) -> int:
+        words = [*ARM.split(), "--basis", basis, "--modes", modes, "-o", arm]
+        return int(str(program("reduce", copy / "solid-arm/arm.msh", *words)["modes"]))
+
+    def deflection() -> list[float]:
+        return runner.run(file, Way("arm"), "--step 0.002").columns["arm.deflection"]
+
+    reduced("craig_bampton", 60)
+    exact = deflection()
+    lines: dict[str, list[tuple[float, float]]] = {}
+    for basis, name, counts in (
+        ("craig_bampton", "Craig–Bampton", (0, 2, 5, 10)),
+        ("free_interface", "free interface", (0, 2, 5, 10)),
+        ("krylov", "Krylov", (6, 12, 18, 24)),
+    ):
+        for count in counts:
+            try:
+                modes = reduced(basis, count)
+            except RuntimeError:
+                continue  # too few for this basis
+            lines.setdefault(name, []).append((modes, 100 * largest(deflection(), exact)))
+    # Combinations of many modes, by how much of the motion of a run each has.
+    for error in (20, 5, 1, 0.2, 0.05):
+        reduced("craig_bampton", 10)
+        small = copy / "small.h5"
+        try:
+            found = program("select", file, "--body", "front_left.arm", "--error", error, "--step", 0.002, "-o", small)
+        except RuntimeError:
+            continue
+        shutil.copy(small, arm)
+        lines.setdefault("proper orthogonal", []).append((int(str(found["modes"])), 100 * largest(deflection(), exact)))
+    rows = [[name, str(modes), f"{error:.2g} %"] for name, line in lines.items() for modes, error in line]
+    return table(["basis", "modes", "error of the arm's deflection"], rows), figure(
+        "Solid arm: error against number of modes", "modes", "error of the arm's deflection, %", lines
+    )
+
+
 def without_terms() -> str:
     return f"neglected_inertia: {{all: [{', '.join(TERMS)}]}}\n"
 
@@ -251,6 +310,8 @@ def page(runner: Runner, folder: pathlib.Path) -> str:
     (folder / "which-formulation-crank.svg").write_text(crank_figure)
     spin, spin_figure = spin_up(runner)
     (folder / "which-formulation-spin-up.svg").write_text(spin_figure)
+    arms, arms_figure = bases(runner)
+    (folder / "which-formulation-bases.svg").write_text(arms_figure)
     bars = {"flexible_bars": 5}
     four_bar = mechanism(
         runner,
@@ -281,7 +342,7 @@ def page(runner: Runner, folder: pathlib.Path) -> str:
     text = (TOP / "bench/which_formulation.md").read_text()
     parts = {
         "CRANK": crank, "SPIN_UP": spin, "FREQUENCIES": frequencies(runner), "FOUR_BAR": four_bar,
-        "SUSPENSION": vehicles[0], "VEHICLE": vehicles[1],
+        "SUSPENSION": vehicles[0], "VEHICLE": vehicles[1], "BASES": arms,
     }  # fmt: skip
     for name, part in parts.items():
         text = text.replace(f"[{name}]\n", part)

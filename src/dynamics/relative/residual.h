@@ -45,26 +45,26 @@ BodyWrench<T> flexible_inertia(const BodyData& b, const FlexibleData& f, const I
   const Vec3<T> moment = deformed_first_moment<T>(b, f, y), sy2 = times(f.S, ydd);
   const Mat3<T> p = deformed_second_moment<T>(b, f, rows, y);
   const Mat3<T> inertia = p.trace() * Mat3<T>::Identity() - p;
-  // ∫ r̄_i ẋ_j dm of a field x = X y.
-  const auto spread = [&](Term by_deformation, const T* rates) {
-    Mat3<T> out;
-    const T* row = rows.of(by_deformation);
-    for (int k = 0; k < 9; ++k) out(k / 3, k % 3) = dot(row + k * s, rates, s);
-    return out;
-  };
+  const bool plain = turns_undeformed(b), turns = keeps(Term::rotation_coupling) && !plain,
+             drags = keeps(Term::coriolis_body);
+  Mat3<T> d, e;  // ∫ r̄_i u̇_j dm, ∫ r̄_i ü_j dm
+  const T *d_rows = rows.of(Term::coriolis_body_deformed),
+          *e_rows = rows.of(Term::rotation_coupling_deformed);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const int at = (3 * i + j) * s;
+      if (drags) d(i, j) = dot(d_rows + at, yd, s);
+      if (turns) e(i, j) = dot(e_rows + at, ydd, s);
+    }
   BodyWrench<T> out;
   out.force = T(b.mass) * acc + alpha.cross(moment) + sy2;
   out.moment = moment.cross(acc) + turned<T>(inertia, alpha);
-  const bool plain = turns_undeformed(b);
-  if (plain) {
+  if (plain)
     out.moment += times(f.C, ydd);
-  } else if (keeps(Term::rotation_coupling)) {
-    const Mat3<T> e = spread(Term::rotation_coupling_deformed, ydd);
+  else if (turns)
     out.moment += Vec3<T>(e(1, 2) - e(2, 1), e(2, 0) - e(0, 2), e(0, 1) - e(1, 0));
-  }
   out.moment += w.cross(turned<T>(inertia, w));
-  if (keeps(Term::coriolis_body)) {
-    const Mat3<T> d = spread(Term::coriolis_body_deformed, yd);
+  if (drags) {
     out.force += w.cross(w.cross(moment) + T(2) * times(f.S, yd));
     out.moment += T(2) * (d.trace() * w - turned_back<T>(d, w));
   } else {
@@ -74,7 +74,7 @@ BodyWrench<T> flexible_inertia(const BodyData& b, const FlexibleData& f, const I
   add_transposed<T>(f.S, acc, elastic);
   if (plain) add_transposed<T>(f.C, alpha, elastic);
   // Coefficients of the rows S'^i_j: centrifugal, and Cᵀ α (C_a = S'^b_c − S'^c_b).
-  const bool centrifugal = keeps(Term::centrifugal), turns = keeps(Term::rotation_coupling) && !plain;
+  const bool centrifugal = keeps(Term::centrifugal);
   Mat3<T> g = Mat3<T>::Zero(), turning = Mat3<T>::Zero();
   if (centrifugal) g = w * w.transpose() - w.squaredNorm() * Mat3<T>::Identity();
   if (turns) turning = skew<T>(alpha).transpose();
