@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ways to model what bends, on the same models: accuracy against cost, as the page docs/which-formulation.md with its figures.
+"""Ways to model what bends, on the same models: accuracy against cost, as docs/which-formulation.md with its figures.
 
 bench/which_formulation.py [--program build/release/mimbre] [--folder docs]
 
@@ -19,8 +19,14 @@ from dataclasses import dataclass, field
 TOP = pathlib.Path(__file__).resolve().parent.parent
 EXAMPLES = TOP / "examples"
 TERMS = (
-    "first_moment second_moment_linear second_moment_quadratic rotation_coupling centrifugal coriolis_modes coriolis_body"
-).split()
+    "first_moment",
+    "second_moment_linear",
+    "second_moment_quadratic",
+    "rotation_coupling",
+    "centrifugal",
+    "coriolis_modes",
+    "coriolis_body",
+)
 COLOURS = ("#06c", "#c40", "#090", "#a0a", "#860", "#444", "#0aa", "#c08")
 ROD_FREQUENCY = (math.pi / 0.3) ** 2 * math.sqrt(2.1e11 * 0.003**2 / 4 / 7850)  # rad/s, of the rod between two pins
 
@@ -94,7 +100,8 @@ def figure(title: str, across: str, up: str, lines: dict[str, list[tuple[float, 
         return left + share[0] * (width - left - 200), height - below - share[1] * (height - below - 40)
 
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-family="sans-serif" font-size="11">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-size="11" '
+        'font-family="sans-serif">',
         '<rect width="100%" height="100%" fill="white"/>',
         f'<text x="{left}" y="20" font-weight="bold">{title}</text>',
         f'<text x="{(left + width - 200) / 2}" y="{height - 12}" text-anchor="middle">{across}</text>',
@@ -107,9 +114,13 @@ def figure(title: str, across: str, up: str, lines: dict[str, list[tuple[float, 
                 if not low[k] <= math.log10(value) <= high[k]:
                     continue
                 x, y = place((value, 10 ** low[1]) if k == 0 else (10 ** low[0], value))
-                end = f"V40" if k == 0 else f"H{width - 200}"
+                end = "V40" if k == 0 else f"H{width - 200}"
                 parts.append(f'<path d="M{x:.1f} {y:.1f}{end}" stroke="#ddd"/>')
-                at = f'x="{x:.1f}" y="{y + 14:.1f}" text-anchor="middle"' if k == 0 else f'x="{x - 4:.1f}" y="{y + 4:.1f}" text-anchor="end"'
+                at = (
+                    f'x="{x:.1f}" y="{y + 14:.1f}" text-anchor="middle"'
+                    if k == 0
+                    else f'x="{x - 4:.1f}" y="{y + 4:.1f}" text-anchor="end"'
+                )
                 parts.append(f"<text {at}>{value:g}</text>")
     for k, (name, line) in enumerate(lines.items()):
         colour = COLOURS[k % len(COLOURS)]
@@ -157,7 +168,7 @@ def slider_crank(runner: Runner) -> tuple[str, str]:
     reference = Way("reference", {"approach": "corotational", "elements": 20})
 
     def bend(outcome: Outcome) -> float:
-        """Between the largest and the least deflection of the middle from the line of the ends, in the last two turns."""
+        """From the largest to the least deflection of the middle from the line of the ends, in the last two turns."""
         middle, end = outcome.columns["rod.deflection"], outcome.columns["end.deflection"]
         values = [a - 0.5 * b for a, b in zip(middle, end, strict=True)]
         last = values[len(values) // 2 :]
@@ -169,14 +180,21 @@ def slider_crank(runner: Runner) -> tuple[str, str]:
         turn = 2 * math.pi / speed
         options = f"--set speed={speed} --set interval={turn / 200!r} --set step={turn / 2000!r} --until {4 * turn!r}"
         exact = bend(runner.run(file, reference, options, extra))
-        found = runner.in_turn(file, ways, options, extra) if speed == 60 else [runner.run(file, w, options, extra) for w in ways]
+        found = (
+            runner.in_turn(file, ways, options, extra)
+            if speed == 60
+            else [runner.run(file, w, options, extra) for w in ways]
+        )
         costs = found if speed == 60 else costs
         errors = [abs(bend(outcome) / exact - 1) for outcome in found]
         for way, error in zip(ways, errors, strict=True):
             lines[way.name].append((speed / ROD_FREQUENCY, 100 * error))
         rows.append([str(speed), f"{speed / ROD_FREQUENCY:.3f}", f"{1e3 * exact:.3g}", *map(percent, errors)])
     head = ["speed, rad/s", "by the rod's frequency", "bend, mm", *(way.name for way in ways)]
-    cost = table(["", *(way.name for way in ways)], [["time by the floating frame's", *(f"{c.seconds / costs[0].seconds:.2f}" for c in costs)]])
+    cost = table(
+        ["", *(way.name for way in ways)],
+        [["time by the floating frame's", *(f"{c.seconds / costs[0].seconds:.2f}" for c in costs)]],
+    )
     return table(head, rows) + "\n" + cost, figure(
         "Slider–crank: error of the rod's bend", "speed of the crank by the rod's first frequency", "error, %", lines
     )
@@ -220,9 +238,13 @@ def frequencies(runner: Runner) -> str:
         answer = json.loads(subprocess.run(command, capture_output=True, text=True).stdout)
         lowest = min(mode["frequency"] for mode in answer["modes"] if mode["frequency"] > 0)
         error = abs(lowest / exact - 1)
-        rows.append([str(n), f"{lowest:.5f}", f"{100 * error:.3f} %", f"{math.log2(before / error):.2f}" if before else ""])
+        rows.append(
+            [str(n), f"{lowest:.5f}", f"{100 * error:.3f} %", f"{math.log2(before / error):.2f}" if before else ""]
+        )
         before = error
-    return f"The exact frequency is {exact:.5f} Hz.\n\n" + table(["segments", "first frequency, Hz", "error", "order"], rows)
+    return f"The exact frequency is {exact:.5f} Hz.\n\n" + table(
+        ["segments", "first frequency, Hz", "error", "order"], rows
+    )
 
 
 def mechanism(runner: Runner, file: pathlib.Path, ways: list[Way], options: str) -> str:
@@ -235,7 +257,9 @@ def mechanism(runner: Runner, file: pathlib.Path, ways: list[Way], options: str)
         # Channels of round-off, as the roll on a symmetric road, are none.
         real = [n for n in names if sizes[n] > 1e-6 * max(sizes.values())]
         error, worst = max((largest(outcome.columns[n], exact.columns[n]), n) for n in real)
-        shown, worst = ("", "") if way is ways[0] else (outcome.failed or percent(error), "" if outcome.failed else worst)
+        shown, worst = (
+            ("", "") if way is ways[0] else (outcome.failed or percent(error), "" if outcome.failed else worst)
+        )
         rows.append(
             [way.name, shown, worst,
              f"{outcome.seconds / exact.seconds:.2f}", f"{outcome.iterations:.2f}"]
