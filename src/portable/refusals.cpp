@@ -41,6 +41,14 @@ class Refusals {
   void add_of_bodies() {
     if (geometric::has_loads_of_inertia(m_))
       add("code is not made of bodies that loads of inertia stiffen: take stiffening: none");
+    for (const BodyData& b : m_.bodies)
+      if (b.elastodynamic) {
+        const spec::Body& body = m_.spec().bodies[static_cast<std::size_t>(b.spec)];
+        add(body.mark,
+            fmt::format("body '{}' bends by linear elastodynamics, of which code is not made; take "
+                        "flexibility: floating_frame, or an FMU with the library",
+                        body.name));
+      }
     for (const FlexibleData& f : m_.flexible)
       if (!f.ancf.empty()) {
         add("code is not made of beams by absolute nodal coordinates; take modes");

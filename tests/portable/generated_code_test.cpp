@@ -232,6 +232,14 @@ joints: {free: {type: floating, between: [ground, top]}}
   EXPECT_NE(free.find("body 'top' flies freely"), std::string::npos) << free;
   const std::string natural = refusal(four_bar_text({}) + "simulation: {formulation: natural}\n");
   EXPECT_NE(natural.find("formulation: relative"), std::string::npos) << natural;
+  spec::Model crank = example("slider-crank/slider-crank.yaml", {{"approach", "elastodynamics"}})->spec();
+  try {
+    generate_code(Model::compile(crank), {}, "crank");
+    ADD_FAILURE() << "code of linear elastodynamics";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("body 'rod' bends by linear elastodynamics"), std::string::npos)
+        << error.what();
+  }
   EXPECT_THROW(generate_code(example("tutorial/pendulum.yaml"), {}, "no name"), InputError);
   EXPECT_THROW(generate_code(example("tutorial/pendulum.yaml"), {}, "double"), InputError);
 }
