@@ -219,5 +219,16 @@ TEST(Segments, StartInMotionAsOneBody) {
   EXPECT_NEAR(turning[0], turning[1], 1e-9);
 }
 
+TEST(Segments, DoNotBendByElastodynamics) {
+  std::string text = cantilever(4, "segments");
+  text.replace(text.find("    frame:"), 0, "    flexibility: elastodynamics\n");
+  try {
+    model_of(text);
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("several pieces"), std::string::npos) << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace mimbre::test::segments_test

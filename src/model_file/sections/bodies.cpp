@@ -258,6 +258,12 @@ void read_body(Builder& builder, const Part& part, const Value& value, int index
   }
   if (const auto approach = fields.get("flexibility"))
     body.elastodynamic = approach->choice({"floating_frame", "elastodynamics"}).value_or(0) == 1 && as > 0;
+  if (body.elastodynamic && info.description &&
+      (info.description->in_pieces() || info.description->in_segments()))
+    fields.get("flexibility")
+        ->error(
+            "a body of several pieces (substructures, corotational, segments) does not bend by "
+            "elastodynamics; take one body with modes, or floating_frame");
   if (const auto shapes = fields.get("shapes")) read_shapes(builder, *shapes, local, body);
   if (const auto lines = fields.get("lines")) read_lines(*lines, local, body);
   info.failed = info.failed || as < 0;
