@@ -16,7 +16,7 @@ struct InertiaStudyOptions {
   double end = 0;       ///< s; 0: the model's
   /// Names of channels; none: the model's outputs, and where it has none the coordinates of its joints.
   std::vector<std::string> outputs;
-  RunOptions run;       ///< in relative coordinates, whatever it states
+  RunOptions run;       ///< in relative coordinates and with shape integrals, whatever it states
   bool measure = true;  ///< the time of a step, too
   /// Called with what is being done and how much of it is, 0 to 1.
   std::function<void(const std::string& stage, double done)> progress;

@@ -48,11 +48,13 @@ class Study {
  public:
   Study(const spec::Model& model, const InertiaStudyOptions& options) : model_(model), options_(options) {
     options_.run.formulation = spec::Simulation::Formulation::relative;
+    options_.run.inertia = spec::Simulation::Inertia::integrals;
     for (std::size_t k = 0; k < model.bodies.size(); ++k)
-      if (model.bodies[k].flexible && model.bodies[k].flexible->modes > 0)
+      if (model.bodies[k].flexible && model.bodies[k].flexible->modes > 0 && !model.bodies[k].elastodynamic)
         out_.bodies.push_back({model.bodies[k].name, static_cast<int>(k), {}, {}});
     if (out_.bodies.empty())
-      throw std::invalid_argument("the model has no flexible body, whose inertia has these terms");
+      throw std::invalid_argument(
+          "the model has no flexible body in a floating frame, whose inertia has these terms");
     for (spec::Body& body : model_.bodies) body.neglected = {};
   }
 

@@ -57,7 +57,7 @@ void compile_bodies(Compiled& c, const Topology& topology) {
       b.flexible = it->second;
       b.neglected = s.neglected.complete();
       b.elastodynamic = s.elastodynamic && b.modes > 0;
-      if (b.elastodynamic) b.neglected = elastodynamic_terms();
+      if (b.elastodynamic) b.neglected.bits |= elastodynamic_terms().bits;
       b.first_moment = s.flexible->first_moment;
       b.second_moment = s.flexible->second_moment;
     } else {

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
+#include "mimbre/reduced_body.h"
 #include "mimbre/simulation.h"
 #include "support/models.h"
 
@@ -52,6 +54,13 @@ InertiaStudy study_of(const spec::Model& model, double error) {
   options.error = error;
   options.measure = false;
   return study_inertia(model, options);
+}
+
+/// The same body, a hundred times as stiff.
+std::shared_ptr<const ReducedBody> stiffer(const ReducedBody& body) {
+  auto copy = std::make_shared<ReducedBody>(body);
+  copy->stiffness *= 100;
+  return copy;
 }
 
 /// The largest error of an output by its range, of runs made here.
@@ -116,6 +125,34 @@ TEST(InertiaStudy, WithoutTurningNeedsNone) {
     EXPECT_EQ(study.terms[static_cast<std::size_t>(k)].error, 0)
         << inertia_terms[static_cast<std::size_t>(k)].name;
     EXPECT_TRUE(study.bodies[0].neglected.has(static_cast<InertiaTerm>(k)));
+  }
+}
+
+/// A bar that flies: without terms that hardly matter it moves as with them, in both formulations.
+TEST(InertiaStudy, FlyingBodiesDoWithoutSmallTerms) {
+  const std::string text =
+      driven_bar("type: floating, between: [ground, bar], at: [0, 0, 0], velocity: [0, 0, 0, 0, 5, 20]");
+  const spec::Model full = model_of(text)->spec();
+  spec::Model lean = full;
+  for (const InertiaTerm term :
+       {InertiaTerm::second_moment_quadratic, InertiaTerm::rotation_coupling_deformed,
+        InertiaTerm::centrifugal_deformed, InertiaTerm::coriolis_body_deformed})
+    lean.bodies[0].neglected.add(term);
+  lean.bodies[0].flexible = stiffer(*lean.bodies[0].flexible);
+  spec::Model stiff = full;
+  stiff.bodies[0].flexible = lean.bodies[0].flexible;
+  for (const auto formulation :
+       {spec::Simulation::Formulation::relative, spec::Simulation::Formulation::natural}) {
+    RunOptions options;
+    options.formulation = formulation;
+    Simulation a(Model::compile(stiff), options), b(Model::compile(lean), options);
+    for (int k = 0; k < 300; ++k) {
+      ASSERT_TRUE(a.step().ok());
+      ASSERT_TRUE(b.step().ok());
+    }
+    const spec::Pose p = a.pose(a.body("bar")), q = b.pose(b.body("bar"));
+    EXPECT_LT((p.position - q.position).norm(), 1e-3);
+    EXPECT_LT((p.rotation - q.rotation).norm(), 1e-2);
   }
 }
 

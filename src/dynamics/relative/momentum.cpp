@@ -32,11 +32,13 @@ BodyMomentum body_momentum(const Compiled& m, Workspace<double>& w, const BodyDa
     copy_modes(b, v + b.v + b.joint_velocities, n, yd);
     extend(f, y);
     extend(f, y, yd);
+    const double* positions = integrals;
     if (w.projections.empty()) {
       const InertiaRows<double> rows = make_inertia_rows<double>(b, f, y, integrals);
       out.first_moment = deformed_first_moment<double>(b, f, y);
       second = deformed_second_moment<double>(b, f, rows, y);
       modal = times(f.S, yd);
+      positions = rows.of(InertiaTerm::rotation_coupling_deformed);
     } else {
       const projection::Constants& c = w.projections[b.flexible];
       projection::rigid_mass(c, w.projection, y, out.first_moment, second, integrals);
@@ -44,8 +46,9 @@ BodyMomentum body_momentum(const Compiled& m, Workspace<double>& w, const BodyDa
       modal = times(c.S, yd);
     }
     out.inertia = inertia_of(second);
-    const auto d = [&](int r, int c) { return dot(integrals + (3 * r + c) * n, yd, n); };
-    modal_moment = Vec3d(d(1, 2) - d(2, 1), d(2, 0) - d(0, 2), d(0, 1) - d(1, 0));
+    const auto d = [&](int r, int c) { return dot(positions + (3 * r + c) * n, yd, n); };
+    if (!b.neglected.has(InertiaTerm::rotation_coupling))
+      modal_moment = Vec3d(d(1, 2) - d(2, 1), d(2, 0) - d(0, 2), d(0, 1) - d(1, 0));
     for (int c = 0; c < 3; ++c)
       for (int r = 0; r < 3; ++r) out.spread(r, c) = d(r, c);
   }

@@ -30,6 +30,14 @@ Mat3d restoring_turn(const Mat3d& inertia, const Vec3d& angular, double energy) 
   return turn;
 }
 
+/// Equations without some of inertia's terms keep no momentum, so that there is none to restore.
+bool conserves(const Compiled& m, const std::vector<int>& bodies) {
+  return std::all_of(bodies.begin(), bodies.end(), [&](int k) {
+    const BodyData& b = m.bodies[static_cast<std::size_t>(k)];
+    return b.neglected.empty() || b.elastodynamic;
+  });
+}
+
 /// What ties the trees of bodies to each other and to the ground, besides the joints that they stand on.
 struct Ties {
   std::vector<int> root;                   ///< by body
@@ -109,7 +117,7 @@ std::vector<FloatingSet> floating_sets(const Compiled& m) {
       set.has[i] = 1;
       mass += m.bodies[i].mass;
     }
-    if (mass > 0) sets.push_back(std::move(set));
+    if (mass > 0 && conserves(m, set.bodies)) sets.push_back(std::move(set));
   }
   return sets;
 }
@@ -138,7 +146,7 @@ std::vector<FreeGroup> free_groups(const Compiled& m) {
       const int body = m.frames[e.frame_b].body;
       if (body >= 0 && root[body] == i) g.loads.push_back(m.arguments[e.arguments]);
     }
-    if (mass > 0) groups.push_back(std::move(g));
+    if (mass > 0 && conserves(m, g.bodies)) groups.push_back(std::move(g));
   }
   return groups;
 }
