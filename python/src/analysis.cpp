@@ -121,6 +121,30 @@ std::map<std::string, std::vector<Spot>> spots_of(const Results& results, int mo
   return bodies;
 }
 
+/// Work that calls what `options` have to attend and to report progress: Python's signals and exceptions end
+/// it.
+template <class Options, class Work>
+auto watched(Options& options, const std::optional<nb::callable>& progress, const Mark& mark,
+             const Work& work) -> decltype(work()) {
+  Attention attention;
+  struct Stopped {};
+  options.attend = [&] {
+    if (attention.stop()) throw Stopped();
+  };
+  if (progress)
+    options.progress = [&](const std::string& stage, double done) {
+      attention.call([&] { (*progress)(stage, done); });
+      options.attend();
+    };
+  decltype(work()) result;
+  try {
+    result = computed(mark, work);
+  } catch (const Stopped&) {
+    attention.raise();
+  }
+  return result;
+}
+
 ModeSelection selection(const LoadedModel& loaded, const MethodChoice& method, const std::string& body,
                         double error, bool combinations, bool rigid, std::optional<double> end,
                         const std::optional<nb::callable>& progress) {
@@ -132,23 +156,8 @@ ModeSelection selection(const LoadedModel& loaded, const MethodChoice& method, c
   options.pre = rigid ? ModeSelectionOptions::Pre::rigid : ModeSelectionOptions::Pre::candidates;
   options.end = end.value_or(0);
   options.run = method.options(model.simulation);
-  Attention attention;
-  struct Stopped {};
-  options.attend = [&] {
-    if (attention.stop()) throw Stopped();
-  };
-  if (progress)
-    options.progress = [&](const std::string& stage, double done) {
-      attention.call([&] { (*progress)(stage, done); });
-      options.attend();
-    };
-  ModeSelection result;
-  try {
-    result = computed(model.bodies[static_cast<std::size_t>(number)].mark,
-                      [&] { return select_mechanism_modes(model, number, options); });
-  } catch (const Stopped&) {
-    attention.raise();
-  }
+  const ModeSelection result = watched(options, progress, model.bodies[static_cast<std::size_t>(number)].mark,
+                                       [&] { return select_mechanism_modes(model, number, options); });
   if (!result.reached)
     throw Failure(
         fmt::format("no selection of the {} modes reaches {:.3g} %; the last {} are off by "
@@ -174,22 +183,8 @@ InertiaStudy terms_of_inertia(const LoadedModel& loaded, const MethodChoice& met
   options.end = end.value_or(0);
   options.measure = measure;
   options.run = method.options(model.simulation);
-  Attention attention;
-  struct Stopped {};
-  options.attend = [&] {
-    if (attention.stop()) throw Stopped();
-  };
-  if (progress)
-    options.progress = [&](const std::string& stage, double done) {
-      attention.call([&] { (*progress)(stage, done); });
-      options.attend();
-    };
-  InertiaStudy study;
-  try {
-    study = computed(Mark{model.file, 0, 0}, [&] { return study_inertia(model, options); });
-  } catch (const Stopped&) {
-    attention.raise();
-  }
+  InertiaStudy study =
+      watched(options, progress, Mark{model.file, 0, 0}, [&] { return study_inertia(model, options); });
   if (!measure) {
     study.cost = std::numeric_limits<double>::quiet_NaN();
     for (InertiaStudy::Term& term : study.terms) term.cost = study.cost;

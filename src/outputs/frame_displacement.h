@@ -1,5 +1,6 @@
 #pragma once
 #include "mimbre/diagnostics.h"
+#include "outputs/driven_sensor.h"
 #include "outputs/frame_motion.h"
 #include "spec/check/checked_item.h"
 
@@ -26,6 +27,7 @@ struct Deflection {
     const FrameData& f = c.frames[c.frame_of_spec[o.item]];
     d.body = f.body;
     if (f.flexible < 0 && !f.bends) return;
+    refuse_driven(places, o, f.body);
     if (!c.flexible[c.bodies[f.body].flexible].products.empty())
       throw InputError(o.mark,
                        fmt::format("the deflection '{}' is that of a body whose modes bend in second order; "

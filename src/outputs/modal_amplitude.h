@@ -2,6 +2,7 @@
 #include "compile/signals/compile_signals.h"
 #include "mimbre/channels.h"
 #include "mimbre/reduced_body.h"
+#include "outputs/driven_sensor.h"
 #include "outputs/view.h"
 #include "spec/output_kind.h"
 
@@ -20,6 +21,7 @@ struct ModalAmplitude {
   }
   static void place(const SensorPlaces& places, const spec::Output& o, SensorData& d) {
     d.body = places.compiled.body_of_spec[o.item];
+    refuse_driven(places, o, d.body);
     if (const auto& body = places.compiled.spec().bodies[static_cast<std::size_t>(o.item)].flexible) {
       const Eigen::RowVectorXd row = body->user_from_modal.row(o.component);
       d.shapes.assign(row.data(), row.data() + row.size());

@@ -107,6 +107,66 @@ TEST(Elastodynamics, IsTheLimitOfASlowMechanism) {
   EXPECT_LT(before, 0.02);
 }
 
+/// A bar on a spring of turning, `more` sections behind.
+std::string bar_on_spring(const std::string& more) {
+  return R"(
+materials: {alloy: {young: 7e10, poisson: 0.3, density: 2700}}
+sections: {strip: {type: rectangle, height: 0.01, width: 0.01}}
+bodies:
+  bar:
+    flexibility: elastodynamics
+    frame: {at: [0, 0, 0]}
+    flexible:
+      material: alloy
+      section: strip
+      nodes: {root: [0, 0, 0], tip: [1, 0, 0]}
+      bars: {all: {from: root, to: tip, elements: 4}}
+      clamped: [root]
+      static_modes: [{node: tip, all: true}]
+joints:
+  hinge: {type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0], spring: {stiffness: 200, zero: 0}}
+outputs:
+  - {name: place, position: bar.tip, component: z}
+  - {name: bend, deflection: bar.tip, along: [0, 0, 1]}
+simulation: {step: 1e-3, end: 0.1}
+)" + more;
+}
+
+/// What is drawn and listed has the deflection, whether or not something acts there.
+TEST(Elastodynamics, PlacesShowTheDeflection) {
+  const std::string push = "loads: {push: {on: bar.tip, force: [0, 0, 1e-12]}}\n";
+  Simulation free(model_of(bar_on_spring(""))), loaded(model_of(bar_on_spring(push)));
+  ResultsRow a, b;
+  double most = 0;
+  for (int k = 0; k < 100; ++k) {
+    ASSERT_TRUE(free.step().ok());
+    ASSERT_TRUE(loaded.step().ok());
+    free.sample(a);
+    loaded.sample(b);
+    EXPECT_NEAR(a.channels[0], b.channels[0], 1e-9);
+    const spec::Pose pose = free.pose(free.body("bar"));
+    const double rigid = pose.position.z() + pose.rotation(2, 0), bend = a.channels[1];
+    EXPECT_NEAR(a.channels[0], rigid + pose.rotation(2, 2) * bend, 1e-4 * std::abs(bend) + 1e-12);
+    most = std::max(most, std::abs(bend));
+  }
+  EXPECT_GT(most, 1e-4);
+}
+
+TEST(Elastodynamics, MayNotBeSeenWithinAStep) {
+  for (const std::string sensor :
+       {"deflection: bar.tip, along: [0, 0, 1]", "modal_amplitude: bar, component: 1"}) {
+    const std::string lift =
+        "signals: {bend_now: {" + sensor + "}}\nactuators: {lift: {joint: hinge, torque: bend_now}}\n";
+    try {
+      model_of(bar_on_spring(lift));
+      ADD_FAILURE() << sensor;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(),
+                  testing::HasSubstr("bends by elastodynamics, of which the mechanism has no part"));
+    }
+  }
+}
+
 /// Where a drive knows no reaction, and the body does not turn, nothing is left out.
 TEST(Elastodynamics, OfAPushedBodyIsExact) {
   spec::Model model = model_of(R"(

@@ -7,28 +7,11 @@
 /// Positions, velocities and accelerations from the root to the leaves.
 namespace mimbre::relative {
 
-/// Motion of a frame from that of its body. y, ẏ, ÿ: the body's padded amplitudes.
+/// Motion of a frame that modes move, from that of its body. y, ẏ, ÿ: the body's padded amplitudes.
 template <class T>
-void frame_motion(const FrameData& f, const Motion<T>& body, const T* y, const T* yd, const T* ydd,
-                  Motion<T>& out) {
+void deformed_motion(const FrameData& f, const Motion<T>& body, const T* y, const T* yd, const T* ydd,
+                     Motion<T>& out) {
   const Mat3<T>& A = body.rotation;
-  if (f.flexible < 0) {
-    out.rotation = f.aligned ? A : composed<T>(A, Mat3<T>(f.rotation.template cast<T>()));
-    out.omega = body.omega;
-    out.alpha = body.alpha;
-    if (f.central) {
-      out.position = body.position;
-      out.velocity = body.velocity;
-      out.acceleration = body.acceleration;
-      return;
-    }
-    const Vec3<T> r = turned<T>(A, f.position.template cast<T>());
-    const Vec3<T> wr = body.omega.cross(r);
-    out.position = body.position + r;
-    out.velocity = body.velocity + wr;
-    out.acceleration = body.acceleration + body.alpha.cross(r) + body.omega.cross(wr);
-    return;
-  }
   Deformation<T> d;
   deform(f, y, yd, ydd, d);
   const Vec3<T> r = turned<T>(A, d.position), v = turned<T>(A, d.velocity);
@@ -41,6 +24,28 @@ void frame_motion(const FrameData& f, const Motion<T>& body, const T* y, const T
   const Vec3<T> w = turned<T>(A, d.omega);
   out.omega = body.omega + w;
   out.alpha = body.alpha + body.omega.cross(w) + turned<T>(A, d.alpha);
+}
+
+/// Motion of a frame from that of its body, likewise.
+template <class T>
+void frame_motion(const FrameData& f, const Motion<T>& body, const T* y, const T* yd, const T* ydd,
+                  Motion<T>& out) {
+  const Mat3<T>& A = body.rotation;
+  if (f.flexible >= 0) return deformed_motion(f, body, y, yd, ydd, out);
+  out.rotation = f.aligned ? A : composed<T>(A, Mat3<T>(f.rotation.template cast<T>()));
+  out.omega = body.omega;
+  out.alpha = body.alpha;
+  if (f.central) {
+    out.position = body.position;
+    out.velocity = body.velocity;
+    out.acceleration = body.acceleration;
+    return;
+  }
+  const Vec3<T> r = turned<T>(A, f.position.template cast<T>());
+  const Vec3<T> wr = body.omega.cross(r);
+  out.position = body.position + r;
+  out.velocity = body.velocity + wr;
+  out.acceleration = body.acceleration + body.alpha.cross(r) + body.omega.cross(wr);
 }
 
 /// Position and velocity only, for frames that carry nothing but springs and tyres.

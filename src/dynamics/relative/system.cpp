@@ -306,6 +306,29 @@ void RelativeSystem::add_loads_of_inertia(const double* q, const double* a, doub
   }
 }
 
+namespace {
+
+/// Padded amplitudes of the frame's body, their rates and accelerations, one after the other.
+const double* all_amplitudes(const RelativeSystem& system, const BodyData& b, int stride, const double* q,
+                             const double* v, const double* a) {
+  std::vector<double>& y = system.workspace().output;
+  std::fill_n(y.begin(), 3 * stride, 0.0);
+  for (int k = 0; k < b.modes; ++k) {
+    y[k] = q[b.q + b.joint_positions + k];
+    y[stride + k] = v[b.v + b.joint_velocities + k];
+    y[2 * stride + k] = a[b.v + b.joint_velocities + k];
+  }
+  if (b.modes > 0) {
+    const FlexibleData& flexible = system.model().flexible[b.flexible];
+    extend(flexible, y.data());
+    extend(flexible, y.data(), y.data() + stride);
+    extend(flexible, y.data(), y.data() + stride, y.data() + 2 * stride);
+  }
+  return y.data();
+}
+
+}  // namespace
+
 Motion<double> output_motion(const RelativeSystem& system, int frame, const double* q, const double* v,
                              const double* a) {
   const Compiled& m = system.model();
@@ -321,20 +344,21 @@ Motion<double> output_motion(const RelativeSystem& system, int frame, const doub
   }
   const BodyData& b = m.bodies[f.body];
   const int s = b.modes > 0 ? m.flexible[b.flexible].stride : 0;
-  std::vector<double>& y = system.workspace().output;
-  std::fill_n(y.begin(), 3 * s, 0.0);
-  for (int k = 0; k < b.modes; ++k) {
-    y[k] = q[b.q + b.joint_positions + k];
-    y[s + k] = v[b.v + b.joint_velocities + k];
-    y[2 * s + k] = a[b.v + b.joint_velocities + k];
-  }
-  if (b.modes > 0) {
-    const FlexibleData& flexible = m.flexible[b.flexible];
-    extend(flexible, y.data());
-    extend(flexible, y.data(), y.data() + s);
-    extend(flexible, y.data(), y.data() + s, y.data() + 2 * s);
-  }
-  frame_motion<double>(f, system.workspace().bodies[f.body], y.data(), y.data() + s, y.data() + 2 * s, out);
+  const double* y = all_amplitudes(system, b, s, q, v, a);
+  frame_motion<double>(f, system.workspace().bodies[f.body], y, y + s, y + 2 * s, out);
+  return out;
+}
+
+Motion<double> observed_motion(const RelativeSystem& system, int frame, const double* q, const double* v,
+                               const double* a) {
+  const Compiled& m = system.model();
+  const FrameData& f = m.frames[frame];
+  if (!f.bends) return output_motion(system, frame, q, v, a);
+  const BodyData& b = m.bodies[f.body];
+  const int s = m.flexible[b.flexible].stride;
+  const double* y = all_amplitudes(system, b, s, q, v, a);
+  Motion<double> out;
+  deformed_motion<double>(f, system.workspace().bodies[f.body], y, y + s, y + 2 * s, out);
   return out;
 }
 

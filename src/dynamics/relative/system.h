@@ -93,4 +93,9 @@ class RelativeSystem final : public System {
 Motion<double> output_motion(const RelativeSystem& system, int frame, const double* q, const double* v,
                              const double* a);
 
+/// The same as one would see it: with the deflections of a body by elastodynamics, in which the mechanism has
+/// no part.
+Motion<double> observed_motion(const RelativeSystem& system, int frame, const double* q, const double* v,
+                               const double* a);
+
 }  // namespace mimbre::relative

@@ -30,6 +30,8 @@ void read_neglected_inertia(Builder& builder, Part& model) {
     const Value value(model.reading, *entry.value, fmt::format("neglected_inertia '{}'", entry.key));
     const InertiaTerms terms = read_terms(value);
     const bool all = entry.key == "all";
+    if (all && builder.body_names.index.count("all") > 0)
+      value.error("a body is called all, as all of them are here; rename it");
     const int one = all ? -1 : builder.resolve(builder.body_names, model, entry.key, value);
     for (std::size_t k = 0; k < builder.bodies.size(); ++k) {
       if (!all && static_cast<int>(k) != one) continue;

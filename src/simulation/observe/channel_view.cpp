@@ -21,8 +21,8 @@ ObservedOutput::ObservedOutput(const Compiled& m, const spec::Output& o) : outpu
 Vec3d ChannelView::origin() const { return system_.workspace().origin; }
 
 Motion<double> ChannelView::motion(int frame) const {
-  return relative::output_motion(system_, model.frame_of_spec[frame], state_.q.data(), state_.v.data(),
-                                 state_.a.data());
+  return relative::observed_motion(system_, model.frame_of_spec[frame], state_.q.data(), state_.v.data(),
+                                   state_.a.data());
 }
 
 Vec3d ChannelView::deflection(int frame) const {
