@@ -32,6 +32,7 @@ struct FmuVariable {
   std::vector<unsigned> dependencies{};
   bool depends_on_all = false;  ///< instead: on all of these
   unsigned state = 0;           ///< of derivatives: the reference of the state
+  std::vector<int> outputs{};   ///< of outputs: their numbers among those of the code
 };
 
 /// What an FMU is made of: the code, with the functions of the standard around it.
@@ -61,8 +62,9 @@ struct WrittenFmu {
   std::vector<std::string> left_out;  ///< outputs of the model that it has not, with their kinds
   std::string without_binary;         ///< why it has none; empty: it has one
 };
-/// Writes the archive: model description, sources, a binary for this machine where there is a C compiler
-/// ($CC, else `cc`), a page of documentation and a reference result. An older file stands until the new one
+/// Writes the archive: model description, terminals at the parts of the model with icons, sources, a binary
+/// for this machine where there is a C compiler ($CC, else `cc`), a page of documentation, a reference result
+/// as an experiment, and the validation reports of the reduced bodies. An older file stands until the new one
 /// is whole. With the library inside there is a binary alone. Throws InputError where the file cannot be
 /// written, where an FMU without sources finds no compiler, where this library was built without the runtime
 /// that FMUs take along, and as generate_fmu does.

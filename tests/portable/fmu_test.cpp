@@ -449,10 +449,14 @@ TEST(FmuArchive, HoldsWhatTheStandardWants) {
   options.name = "pendulum";
   const WrittenFmu written = write_fmu(example("tutorial/pendulum.yaml"), {}, options, path);
   EXPECT_EQ(written.without_binary, "");
-  EXPECT_THAT(written.files,
-              testing::IsSupersetOf({"modelDescription.xml", "sources/pendulum.c", "sources/fmi3.c",
-                                     "sources/buildDescription.xml", "documentation/index.html",
-                                     "extra/mimbre/reference.csv"}));
+  EXPECT_THAT(
+      written.files,
+      testing::IsSupersetOf(
+          {"modelDescription.xml", "sources/pendulum.c", "sources/fmi3.c", "sources/buildDescription.xml",
+           "documentation/index.html", "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml",
+           "extra/org.fmi-standard.fmi-ls-ref/reference.exp",
+           "extra/org.fmi-standard.fmi-ls-ref/reference.csv", "terminalsAndIcons/terminalsAndIcons.xml",
+           "terminalsAndIcons/icon.png", "terminalsAndIcons/terminal.png"}));
   const std::set<std::string> unique(written.files.begin(), written.files.end());
   EXPECT_EQ(unique.size(), written.files.size());
   for (const std::string& file : written.files) {

@@ -4,13 +4,12 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <pugixml.hpp>
 #include <set>
-#include <sstream>
 
 #include "mimbre/build.h"
 #include "mimbre/spec.h"
 #include "portable/fmu/parts.h"
+#include "portable/fmu/xml.h"
 
 namespace mimbre {
 namespace portable {
@@ -18,32 +17,8 @@ namespace {
 
 using Role = FmuVariable::Role;
 
-std::string text_of(const pugi::xml_document& document) {
-  std::ostringstream out;
-  document.save(out, "  ", pugi::format_indent, pugi::encoding_utf8);
-  return out.str();
-}
-
-void set(pugi::xml_node node, const char* name, const std::string& value) {
-  node.append_attribute(name).set_value(value.c_str());
-}
-void set(pugi::xml_node node, const char* name, double value) { set(node, name, fmt::format("{}", value)); }
 void set_true(pugi::xml_node node, std::initializer_list<const char*> names) {
   for (const char* name : names) set(node, name, std::string("true"));
-}
-
-pugi::xml_node begin(pugi::xml_document& document, const char* root) {
-  pugi::xml_node declaration = document.append_child(pugi::node_declaration);
-  set(declaration, "version", std::string("1.0"));
-  set(declaration, "encoding", std::string("UTF-8"));
-  return document.append_child(root);
-}
-
-/// Of a text that has to be one line.
-std::string one_line(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-  return text;
 }
 
 class Description {
@@ -52,7 +27,7 @@ class Description {
       : fmu_(fmu), model_(model), with_sources_(with_sources) {}
 
   std::string text() {
-    root_ = begin(document_, "fmiModelDescription");
+    root_ = begin_xml(document_, "fmiModelDescription");
     set(root_, "fmiVersion", std::string(two() ? "2.0" : "3.0"));
     set(root_, "modelName", one_line(model_.spec().title.empty() ? fmu_.code.name : model_.spec().title));
     set(root_, two() ? "guid" : "instantiationToken", fmu_.token);
@@ -236,7 +211,7 @@ class Description {
 
 std::string fmu_build_description(const FmuCode& fmu) {
   pugi::xml_document document;
-  pugi::xml_node root = begin(document, "fmiBuildDescription");
+  pugi::xml_node root = begin_xml(document, "fmiBuildDescription");
   set(root, "fmiVersion", std::string("3.0"));
   pugi::xml_node build = root.append_child("BuildConfiguration");
   set(build, "modelIdentifier", fmu.code.name);

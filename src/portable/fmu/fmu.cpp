@@ -11,7 +11,10 @@
 #include "base/sha256.h"
 #include "mimbre/diagnostics.h"
 #include "mimbre/method_names.h"
+#include "portable/fmu/extra.h"
+#include "portable/fmu/icon.h"
 #include "portable/fmu/parts.h"
+#include "portable/fmu/terminals.h"
 #include "portable/library/library_code.h"
 
 namespace mimbre {
@@ -72,8 +75,10 @@ std::vector<FmuVariable> variables_of(const GeneratedCode& code, FmuOptions::Kin
     add({v.name, v.unit.empty() ? "1" : v.unit, v.meaning, 0, v.tunable ? Role::parameter : Role::input,
          v.start, v.min, v.max},
         "input.");
+  int number = 0;
   for (const GeneratedVariable& v : code.outputs) {
     FmuVariable output{v.name, v.unit.empty() ? "1" : v.unit, v.meaning, 0, Role::output, 0, -none, none};
+    output.outputs = {number++};
     // Both versions count the time among the knowns, parameters FMI 3 alone.
     if (v.by_time) output.dependencies.push_back(0);
     for (const int input : v.inputs)
@@ -106,6 +111,18 @@ std::string token_of(const GeneratedCode& code, int version) {
   const std::string hex = digest.hex();
   return fmt::format("{{{}-{}-{}-{}-{}}}", hex.substr(0, 8), hex.substr(8, 4), hex.substr(12, 4),
                      hex.substr(16, 4), hex.substr(20, 12));
+}
+
+void add_terminals(const FmuCode& fmu, const spec::Model& model, portable::ArchiveFiles& files) {
+  const std::string folder = "terminalsAndIcons/";
+  const portable::Icon icon = portable::model_icon(model), terminal = portable::terminal_icon();
+  files.emplace_back(folder + "terminalsAndIcons.xml",
+                     portable::terminals_description(portable::fmu_terminals(fmu, model)));
+  files.emplace_back(folder + "icon.png", icon.png);
+  files.emplace_back(folder + "icon.svg", icon.svg);
+  files.emplace_back(folder + "terminal.png", terminal.png);
+  files.emplace_back(folder + "terminal.svg", terminal.svg);
+  if (fmu.version == 2) files.emplace_back("model.png", icon.png);
 }
 
 }  // namespace
@@ -142,6 +159,7 @@ WrittenFmu write_fmu(const std::shared_ptr<const Model>& model, const RunOptions
         Mark{}, fmt::format("the FMU cannot have a binary, and is to have nothing else: {}", binary.message));
   portable::ArchiveFiles files;
   files.emplace_back("modelDescription.xml", fmu_description(made, *model, !binary_only));
+  add_terminals(made, model->spec(), files);
   if (!binary_only) {
     files.emplace_back(fmt::format("sources/{}.h", made.code.name), made.code.header);
     files.emplace_back(fmt::format("sources/{}.c", made.code.name), made.code.source);
@@ -158,9 +176,7 @@ WrittenFmu write_fmu(const std::shared_ptr<const Model>& model, const RunOptions
                      portable::fmu_page(made, *model,
                                         fmt::format("integrator {}, at most {} iterations a step",
                                                     name_of(method.integrator), method.max_iterations)));
-  if (fmu.reference > 0)
-    files.emplace_back("extra/mimbre/reference.csv",
-                       portable::fmu_reference(made, model, options, std::min(fmu.reference, method.end)));
+  portable::add_extra_files(made, model, options, std::min(fmu.reference, method.end), files);
   try {
     OutputPlace place(path);
     portable::write_archive(place.path(), files);

@@ -3,7 +3,8 @@
 #include <cmath>
 
 #include "mimbre/build.h"
-#include "mimbre/simulation.h"
+#include "mimbre/model.h"
+#include "mimbre/spec.h"
 #include "portable/fmu/parts.h"
 
 namespace mimbre::portable {
@@ -63,13 +64,6 @@ std::string text_of_exchange() {
          "chooses other coordinates. Functions of time announce their jumps and kinks.</p>\n";
 }
 
-/// A field of CSV.
-std::string field(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + "\"";
-}
-
 }  // namespace
 
 std::string fmu_page(const FmuCode& fmu, const Model& model, const std::string& method) {
@@ -106,31 +100,6 @@ std::string fmu_page(const FmuCode& fmu, const Model& model, const std::string& 
     page += "</ul>\n";
   }
   return page + "</body></html>\n";
-}
-
-std::string fmu_reference(const FmuCode& fmu, const std::shared_ptr<const Model>& model,
-                          const RunOptions& options, double seconds) {
-  RunOptions fixed = options;
-  if (fmu.kind == FmuOptions::Kind::co_simulation && !fmu.with_library) fixed.fixed_cost = true;
-  fixed.energies = fixed.validity = fixed.warnings = false;
-  Simulation simulation(model, fixed);
-  std::vector<Simulation::Channel> channels;
-  std::string text = "\"time\"";
-  for (std::size_t k = 0; k < fmu.code.outputs.size(); ++k) {
-    const std::string& name = fmu.code.outputs[k].name;
-    const bool own = std::any_of(simulation.channels().begin(), simulation.channels().end(),
-                                 [&](const ChannelInfo& c) { return c.name == name; });
-    channels.push_back(simulation.channel(own ? name : "signal." + name));
-    text += "," + field(fmu.variables[1 + fmu.code.inputs.size() + k].name);
-  }
-  const auto row = [&] {
-    text += fmt::format("\n{}", simulation.time());
-    for (const Simulation::Channel c : channels) text += fmt::format(",{}", simulation.value(c));
-  };
-  row();
-  const long steps = std::lround(seconds / fmu.code.step);
-  for (long k = 0; k < steps && simulation.step().ok(); ++k) row();
-  return text + "\n";
 }
 
 }  // namespace mimbre::portable

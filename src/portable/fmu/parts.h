@@ -24,10 +24,6 @@ std::string fmu_wrapper_file(const FmuCode& fmu);
 std::string fmu_build_description(const FmuCode& fmu);
 /// A page about the model, its variables and its steps.
 std::string fmu_page(const FmuCode& fmu, const Model& model, const std::string& method);
-/// Time and all outputs of a run by the library, as CSV.
-std::string fmu_reference(const FmuCode& fmu, const std::shared_ptr<const Model>& model,
-                          const RunOptions& options, double seconds);
-
 /// The shared library of these sources, for the machine that this runs on.
 struct FmuBinary {
   std::string file;     ///< in the archive
