@@ -17,6 +17,9 @@ struct FmuOptions {
   /// Of co-simulation: the library itself inside, as a binary, in place of code for the model. It takes
   /// whatever a run takes, with the method of a run.
   bool with_library = false;
+  /// Of FMI 3: outputs that are all the components of one vector are one variable, an array: `tip` in place
+  /// of tip.x, tip.y and tip.z.
+  bool arrays = false;
   double reference = 1;  ///< s of a run whose result goes along; 0: none
 };
 
@@ -32,7 +35,8 @@ struct FmuVariable {
   std::vector<unsigned> dependencies{};
   bool depends_on_all = false;  ///< instead: on all of these
   unsigned state = 0;           ///< of derivatives: the reference of the state
-  std::vector<int> outputs{};   ///< of outputs: their numbers among those of the code
+  /// Of outputs: their numbers among those of the code: one, or of an array its elements in their order.
+  std::vector<int> outputs{};
 };
 
 /// What an FMU is made of: the code, with the functions of the standard around it.
@@ -41,6 +45,7 @@ struct FmuCode {
   FmuOptions::Kind kind = FmuOptions::Kind::co_simulation;
   int version = 3;
   bool with_library = false;  ///< calls the library: runs where its runtime is at hand, as in the FMU
+  bool arrays = false;        ///< outputs may be arrays
   std::string token;          ///< by which a model description and a binary know each other
   std::string wrapper;        ///< C99, the file fmi2.c or fmi3.c
   std::vector<FmuVariable> variables;
@@ -49,8 +54,8 @@ struct FmuCode {
 /// Co-simulation with steps of a fixed cost, of what `generate_code` makes code of, or model exchange, of
 /// what `generate_exchange_code` does. Variables have the names of the model's inputs, tunable parameters and
 /// outputs. With the library inside, steps are those of a run, and only laws and blocks that are code from
-/// elsewhere are refused. Throws InputError as these do, for a version that is neither 2 nor 3, and for
-/// model exchange with the library.
+/// elsewhere are refused. Throws InputError as these do, for a version that is neither 2 nor 3, for model
+/// exchange with the library, and for arrays in FMI 2.
 FmuCode generate_fmu(const std::shared_ptr<const Model>& model, const RunOptions& options,
                      const FmuOptions& fmu = {});
 

@@ -612,6 +612,7 @@ class Model:
         name: str = "",
         binary_only: bool = False,
         library: bool = False,
+        arrays: bool = False,
         **method: Unpack[Method],
     ) -> Path:
         """Writes an FMU, as `mimbre fmu` (docs/fmu.md): sources, and a binary for this machine where there is a C
@@ -626,6 +627,8 @@ class Model:
             binary_only: without the sources.
             library: the library itself inside, in place of code for the model: for whatever a run takes, with a binary
                 alone, for co-simulation.
+            arrays: of FMI 3: outputs that are all the components of one vector are one array, `tip` in place of tip.x,
+                tip.y and tip.z.
             **method: step and method in place of the model's, see `Method`.
 
         Returns:
@@ -648,6 +651,7 @@ class Model:
             _checks.text("name", name),
             _checks.flag("binary_only", binary_only),
             _checks.flag("library", library),
+            _checks.flag("arrays", arrays),
         )
         _left_out(left_out, "FMU")
         if without_binary:

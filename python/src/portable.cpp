@@ -32,7 +32,7 @@ std::tuple<std::string, std::vector<std::string>> generate(const LoadedModel& m,
 std::tuple<std::vector<std::string>, std::string> fmu(const LoadedModel& m, const MethodChoice& method,
                                                       const std::string& path, int version,
                                                       const std::string& kind, const std::string& name,
-                                                      bool binary_only, bool library) {
+                                                      bool binary_only, bool library, bool arrays) {
   const nb::gil_scoped_release others_run;
   FmuOptions options;
   options.version = version;
@@ -40,6 +40,7 @@ std::tuple<std::vector<std::string>, std::string> fmu(const LoadedModel& m, cons
   options.name = name_or(m, name);
   options.binary_only = binary_only;
   options.with_library = library;
+  options.arrays = arrays;
   const WrittenFmu written = write_fmu(m.model, method.options(m.model->spec().simulation), options, path);
   return {written.left_out, written.without_binary};
 }
@@ -49,7 +50,7 @@ std::tuple<std::vector<std::string>, std::string> fmu(const LoadedModel& m, cons
 void bind_portable(nb::module_& module) {
   module.def("generate", &generate, nb::arg("model"), nb::arg("method"), nb::arg("folder"), nb::arg("name"));
   module.def("fmu", &fmu, nb::arg("model"), nb::arg("method"), nb::arg("path"), nb::arg("version"),
-             nb::arg("kind"), nb::arg("name"), nb::arg("binary_only"), nb::arg("library"));
+             nb::arg("kind"), nb::arg("name"), nb::arg("binary_only"), nb::arg("library"), nb::arg("arrays"));
 }
 
 }  // namespace mimbre::python

@@ -157,3 +157,71 @@ def test_code_is_written(pendulum: mimbre.Model, tmp_path: Path) -> None:
     path = pendulum.generate(tmp_path / "code", name="swing")
     assert path == tmp_path / "code" / "swing.c"
     assert "swing_step" in path.with_suffix(".h").read_text()
+
+
+arm = """
+mimbre: 1
+inputs: {push: {start: 0.3, range: [-2, 2]}}
+bodies: {link: {mass: 1, inertia: [0.1, 0.2, 0.3], com: [0.5, 0, 0]}}
+joints: {ball: {type: spherical, between: [ground, link], at: [0, 0, 0]}}
+loads: {load: {on: link, at: [1, 0, 0.2], force: [0, 1, 0], scale: push}}
+signals: {shown: "push^3", wave: "sin(3*t)*push"}
+outputs:
+  - {name: tip.x, position: link, at: [1, 0, 0.2], component: x}
+  - {name: tip.y, position: link, at: [1, 0, 0.2], component: y}
+  - {name: tip.z, position: link, at: [1, 0, 0.2], component: z}
+  - {name: turn, yaw: link}
+simulation: {step: 0.01, end: 1}
+"""
+
+
+@pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
+def test_arrays_have_the_numbers_of_scalars(tmp_path: Path, kind: str) -> None:
+    from fmpy.validation import validate_fmu
+
+    model = mimbre.Model.from_text(arm)
+    short: Any = "cs" if kind == "CoSimulation" else "me"
+    scalars = str(model.fmu(tmp_path / "scalars.fmu", kind=short, name="scalars"))
+    arrays = str(model.fmu(tmp_path / "arrays.fmu", kind=short, name="arrays", arrays=True))
+    assert validate_fmu(arrays) == []
+    described = {v.name: v for v in fmpy.read_model_description(arrays).modelVariables}
+    assert [int(d.start) for d in described["tip"].dimensions] == [3]
+    assert "tip.x" not in described
+    assert not described["turn"].dimensions
+    options: dict[str, Any] = {"stop_time": 1, "output_interval": 0.01, "fmi_type": kind}
+    options |= {"step_size": 0.01} if short == "cs" else {"solver": "CVode", "record_events": False}
+    found = fmpy.simulate_fmu(arrays, output=["tip", "turn"], **options)
+    expected = fmpy.simulate_fmu(scalars, output=["tip.x", "tip.y", "tip.z", "turn"], **options)
+    assert found["tip"].shape == (101, 3)
+    for k, axis in enumerate("xyz"):
+        assert np.array_equal(found["tip"][:, k], expected[f"tip.{axis}"])
+    assert np.array_equal(found["turn"], expected["turn"])
+    assert np.ptp(found["tip"], axis=0).min() > 1e-3
+
+
+def test_the_program_writes_arrays(tmp_path: Path) -> None:
+    (tmp_path / "arm.yaml").write_text(arm)
+    program("fmu", tmp_path / "arm.yaml", "-o", tmp_path / "a.fmu", "--arrays")
+    mimbre.Model.from_file(tmp_path / "arm.yaml").fmu(tmp_path / "b.fmu", arrays=True)
+    assert (tmp_path / "a.fmu").read_bytes() == (tmp_path / "b.fmu").read_bytes()
+    with pytest.raises(mimbre.InputError, match="FMI 2 has no arrays"):
+        mimbre.Model.from_file(tmp_path / "arm.yaml").fmu(tmp_path / "b.fmu", version=2, arrays=True)
+
+
+def test_a_block_reads_elements_of_arrays(tmp_path: Path) -> None:
+    model = mimbre.Model.from_text(arm)
+    model.fmu(tmp_path / "arm.fmu", name="arm", arrays=True)
+    outer = tmp_path / "outer.yaml"
+    outer.write_text(
+        """
+mimbre: 1
+bodies: {b: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {j: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [0, 0, 1]}}
+signals: {f: {fmu: arm.fmu, outputs: {ahead: "tip[1]", height: "tip[3]", turn: turn}}}
+simulation: {step: 0.01, end: 0.5}
+"""
+    )
+    run, alone = mimbre.Model.from_file(outer).run(), model.run(until=0.5, fixed_cost=True)
+    for name, other in [("ahead", "tip.x"), ("height", "tip.z"), ("turn", "turn")]:
+        # A step of the block sees the inputs of its beginning.
+        assert np.abs(run[f"signal.f.{name}"][1:] - alone[other][:-1]).max() < 1e-10

@@ -178,6 +178,17 @@ class FmuInstance {
     return values;
   }
 
+  /// How unknowns vary where knowns vary by the seed; `results`: of arrays, how many numbers these are.
+  int vary(const std::vector<unsigned>& unknowns, const std::vector<unsigned>& knowns,
+           const std::vector<double>& seed, double* result, std::size_t results = 0) {
+    const unsigned *u = unknowns.data(), *k = knowns.data();
+    const double* s = seed.data();
+    if (library_.two())
+      return library_.call("GetDirectionalDerivative", c_, u, unknowns.size(), k, knowns.size(), s, result);
+    return library_.call("GetDirectionalDerivative", c_, u, unknowns.size(), k, knowns.size(), s, seed.size(),
+                         result, results > 0 ? results : unknowns.size());
+  }
+
   int get_state(void** state) {
     return library_.call(library_.two() ? "GetFMUstate" : "GetFMUState", c_, state);
   }
@@ -282,17 +293,6 @@ class ExchangeInstance : public FmuInstance {
   std::vector<double> nominals() { return read("GetNominalsOfContinuousStates", size()); }
   std::vector<double> indicators() {
     return read("GetEventIndicators", static_cast<std::size_t>(library().fmu().code.indicators));
-  }
-  /// How unknowns vary where knowns vary by the seed.
-  int vary(const std::vector<unsigned>& unknowns, const std::vector<unsigned>& knowns,
-           const std::vector<double>& seed, double* result) {
-    const unsigned *u = unknowns.data(), *k = knowns.data();
-    const double* s = seed.data();
-    if (library().two())
-      return library().call("GetDirectionalDerivative", handle(), u, unknowns.size(), k, knowns.size(), s,
-                            result);
-    return library().call("GetDirectionalDerivative", handle(), u, unknowns.size(), k, knowns.size(), s,
-                          seed.size(), result, unknowns.size());
   }
   std::string derivatives_function() const {
     return library().two() ? "GetDerivatives" : "GetContinuousStateDerivatives";

@@ -52,6 +52,9 @@ Command add_fmu(CommandLine& program) {
       "--library", a->fmu.with_library,
       "With the library inside in place of code for the model: for\nwhatever a run takes; a binary "
       "alone");
+  parser.add_flag("--arrays", a->fmu.arrays,
+                  "Of FMI 3: outputs that are all components of a vector\nas one array: tip in place of "
+                  "tip.x, tip.y, tip.z");
   add_set_option(parser, a->settings);
   parser.add_flag("--json", a->json, "The name of the file as JSON");
   add_method_options(parser, a->method);

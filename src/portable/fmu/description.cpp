@@ -62,9 +62,8 @@ class Description {
     if (exchange())
       set(kind, two() ? "completedIntegratorStepNotNeeded" : "needsCompletedIntegratorStep",
           std::string(two() ? "true" : "false"));
-    if (!exchange())
-      set_true(kind, {"canHandleVariableCommunicationStepSize"});
-    else if (fmu_.code.varies)
+    if (!exchange()) set_true(kind, {"canHandleVariableCommunicationStepSize"});
+    if (fmu_.code.varies)
       set_true(kind, {two() ? "providesDirectionalDerivative" : "providesDirectionalDerivatives"});
     if (!two()) {
       set_true(kind, {"canGetAndSetFMUState", "canSerializeFMUState"});
@@ -164,6 +163,10 @@ class Description {
     pugi::xml_node node = list.append_child(v.role == Role::count ? "Int32" : "Float64");
     common(node, v);
     value(node, v);
+    if (v.outputs.size() > 1)
+      node.append_child("Dimension")
+          .append_attribute("start")
+          .set_value(static_cast<unsigned>(v.outputs.size()));
   }
 
   /// FMI 2 counts variables from 1 in their order, FMI 3 has their references.

@@ -191,7 +191,7 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
 #if @_FMU_VARIES
   double states[@_FMU_STATES + 1], inputs[@_FMU_INPUTS + 1];
   double derivatives[@_FMU_STATES + 1], outputs[@_FMU_OUTPUTS + 1], indicators[@_FMU_INDICATORS + 1], time = 0.0;
-  size_t k;
+  size_t k, e;
   int status, wanted = 0; /* indicators */
   if (!@_fmu_turn(f, @_FMU_STARTS | @_FMU_EVENTS | @_FMU_RUNS | @_FMU_TERMINATED)) return @_FMU_ERROR;
   if ((unknown_count > 0 && (!unknowns || !result)) || (known_count > 0 && (!knowns || !seed)))
@@ -202,8 +202,9 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
   for (k = 0; k < unknown_count; ++k) {
     const int indicator = @_fmu_known(unknowns[k], @_FMU_FIRST_INDICATOR, @_FMU_INDICATOR_VARIABLES);
     wanted = wanted || indicator;
-    if (!indicator && !@_fmu_known(unknowns[k], @_FMU_FIRST_OUTPUT, @_FMU_OUTPUTS) &&
-        !@_fmu_known(unknowns[k], @_FMU_FIRST_DERIVATIVE, @_FMU_STATES))
+    if ((!indicator && !@_fmu_known(unknowns[k], @_FMU_FIRST_OUTPUT, @_FMU_OUTPUTS) &&
+         !@_fmu_known(unknowns[k], @_FMU_FIRST_DERIVATIVE, @_FMU_STATES)) ||
+        @_fmu_size(unknowns[k]) == 0)
       return @_fmu_wrong(f, "an unknown is neither derivative nor output nor event indicator; nothing was read");
   }
   for (k = 0; k < known_count; ++k) {
@@ -223,9 +224,12 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
     status = @_fmu_add_time(f, time, derivatives, outputs, wanted ? indicators : NULL);
   if (status != @_FMU_MODEL_OK) return @_fmu_failed(f, status);
   for (k = 0; k < unknown_count; ++k)
-    result[k] = unknowns[k] < @_FMU_FIRST_STATE       ? outputs[unknowns[k] - @_FMU_FIRST_OUTPUT]
-                : unknowns[k] < @_FMU_FIRST_INDICATOR ? derivatives[unknowns[k] - @_FMU_FIRST_DERIVATIVE]
-                                                      : indicators[unknowns[k] - @_FMU_FIRST_INDICATOR];
+    for (e = 0; e < @_fmu_size(unknowns[k]); ++e) {
+      const unsigned long unknown = @_fmu_element(unknowns[k], e);
+      *result++ = unknown < @_FMU_FIRST_STATE       ? outputs[unknown - @_FMU_FIRST_OUTPUT]
+                  : unknown < @_FMU_FIRST_INDICATOR ? derivatives[unknown - @_FMU_FIRST_DERIVATIVE]
+                                                    : indicators[unknown - @_FMU_FIRST_INDICATOR];
+    }
   return @_FMU_OK;
 #else
   (void)unknowns;

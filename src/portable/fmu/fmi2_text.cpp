@@ -191,21 +191,16 @@ const char* const fmi2_text = R"c(
                                                 fmi2FMUstate *state) {
   return @_FMU_OF(c, @_fmu_read_state((@_fmu *)c, (const unsigned char *)bytes, size, state));
 }
+
+@_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknowns[],
+                                                     size_t unknown_count, const fmi2ValueReference knowns[],
+                                                     size_t known_count, const fmi2Real seed[], fmi2Real result[]) {
+  return @_FMU_OF(c, @_fmu_vary((@_fmu *)c, unknowns, unknown_count, knowns, known_count, seed, result));
+}
 )c";
 
 const char* const fmi2_steps_text = R"c(
 /* Functions that the model description excludes. */
-@_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknowns[],
-                                                     size_t unknown_count, const fmi2ValueReference knowns[],
-                                                     size_t known_count, const fmi2Real seed[], fmi2Real result[]) {
-  (void)unknowns;
-  (void)unknown_count;
-  (void)knowns;
-  (void)known_count;
-  (void)seed;
-  (void)result;
-  return @_FMU_OF(c, @_fmu_wrong((@_fmu *)c, "the FMU has no directional derivatives"));
-}
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2SetRealInputDerivatives)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                                                     const fmi2Integer order[], const fmi2Real value[]) {
   (void)vr;

@@ -126,16 +126,36 @@ static @_fmu *@_fmu_make(fmi3String instance_name, fmi3String token, fmi3Boolean
   return fmi3OK;
 }
 
+/* Whether there are as many values as the variables have elements. */
+static int @_fmu_fits(const @_fmu_reference *references, size_t count, size_t value_count) {
+  size_t k, wanted = 0;
+  if (count > value_count || (count > 0 && !references)) return 0; /* each variable has one at least */
+  for (k = 0; k < count; ++k) wanted += @_fmu_size(references[k]);
+  return wanted == value_count;
+}
+static int @_fmu_list_reals(const @_fmu *f, const @_fmu_reference *references, size_t count, const double *values,
+                            size_t value_count) {
+  if (!@_fmu_fits(references, count, value_count)) {
+    @_fmu_wrong(f, "references are missing, or the number of values is not that of the variables' elements");
+    return 0;
+  }
+  if (count > 0 && !values) {
+    @_fmu_wrong(f, "values are missing");
+    return 0;
+  }
+  return 1;
+}
+
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetFloat64)(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
                                        fmi3Float64 values[], size_t value_count) {
   @_fmu *const f = (@_fmu *)instance;
-  if (!f || !@_fmu_list(f, vr, count, values, value_count)) return fmi3Error;
+  if (!f || !@_fmu_list_reals(f, vr, count, values, value_count)) return fmi3Error;
   return (fmi3Status)@_fmu_get_reals(f, vr, count, values);
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3SetFloat64)(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
                                        const fmi3Float64 values[], size_t value_count) {
   @_fmu *const f = (@_fmu *)instance;
-  if (!f || !@_fmu_list(f, vr, count, values, value_count)) return fmi3Error;
+  if (!f || !@_fmu_list_reals(f, vr, count, values, value_count)) return fmi3Error;
   return (fmi3Status)@_fmu_set_reals(f, vr, count, values);
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetInt32)(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
@@ -318,6 +338,13 @@ static @_fmu *@_fmu_make(fmi3String instance_name, fmi3String token, fmi3Boolean
   return @_FMU_OF(instance, @_fmu_read_state((@_fmu *)instance, bytes, size, state));
 }
 
+@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetDirectionalDerivative)(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t unknown_count, const fmi3ValueReference knowns[], size_t known_count, const fmi3Float64 seed[], size_t seed_count, fmi3Float64 result[], size_t result_count) {
+  @_fmu *const f = (@_fmu *)instance;
+  if (!f) return fmi3Error;
+  if (!@_fmu_fits(knowns, known_count, seed_count) || !@_fmu_fits(unknowns, unknown_count, result_count))
+    return (fmi3Status)@_fmu_wrong(f, "references are missing, or the seed or the results have not as many values as the variables have elements");
+  return (fmi3Status)@_fmu_vary(f, unknowns, unknown_count, knowns, known_count, seed, result);
+}
 )c"
                               R"c(
 /* Functions that the model description excludes. */
@@ -477,24 +504,13 @@ const char* const fmi3_steps_text = R"c(
   (void)next;
   return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no event mode"));
 }
-@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetDirectionalDerivative)(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t unknown_count, const fmi3ValueReference knowns[], size_t known_count, const fmi3Float64 seed[], size_t seed_count, fmi3Float64 result[], size_t result_count) {
-  (void)unknowns;
-  (void)unknown_count;
-  (void)knowns;
-  (void)known_count;
-  (void)seed;
-  (void)seed_count;
-  (void)result;
-  (void)result_count;
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no derivatives"));
-}
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetOutputDerivatives)(fmi3Instance instance, const fmi3ValueReference vr[], size_t number, const fmi3Int32 orders[], fmi3Float64 values[], size_t value_count) {
   (void)vr;
   (void)number;
   (void)orders;
   (void)values;
   (void)value_count;
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no derivatives"));
+  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no derivatives of outputs by time"));
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3EnterContinuousTimeMode)(fmi3Instance instance) {
   return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU is for co-simulation only"));

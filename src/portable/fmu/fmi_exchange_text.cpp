@@ -57,12 +57,6 @@ typedef struct {
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2GetNominalsOfContinuousStates)(fmi2Component c, fmi2Real nominals[], size_t count) {
   return @_FMU_OF(c, @_fmu_get_nominals((@_fmu *)c, nominals, count));
 }
-
-@_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknowns[],
-                                                     size_t unknown_count, const fmi2ValueReference knowns[],
-                                                     size_t known_count, const fmi2Real seed[], fmi2Real result[]) {
-  return @_FMU_OF(c, @_fmu_vary((@_fmu *)c, unknowns, unknown_count, knowns, known_count, seed, result));
-}
 )c";
 
 const char* const fmi3_exchange_text = R"c(
@@ -148,14 +142,6 @@ const char* const fmi3_exchange_text = R"c(
   if (!number) return (fmi3Status)@_fmu_wrong((@_fmu *)instance, "the pointer for the number is missing");
   *number = @_FMU_INDICATORS;
   return fmi3OK;
-}
-
-@_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetDirectionalDerivative)(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t unknown_count, const fmi3ValueReference knowns[], size_t known_count, const fmi3Float64 seed[], size_t seed_count, fmi3Float64 result[], size_t result_count) {
-  @_fmu *const f = (@_fmu *)instance;
-  if (!f) return fmi3Error;
-  if (seed_count != known_count || result_count != unknown_count)
-    return (fmi3Status)@_fmu_wrong(f, "the seed needs as many values as there are knowns, and the results as many as unknowns");
-  return (fmi3Status)@_fmu_vary(f, unknowns, unknown_count, knowns, known_count, seed, result);
 }
 
 /* Functions that the model description excludes. */

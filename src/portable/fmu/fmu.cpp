@@ -13,6 +13,7 @@
 #include "mimbre/method_names.h"
 #include "portable/fmu/extra.h"
 #include "portable/fmu/icon.h"
+#include "portable/fmu/output_places.h"
 #include "portable/fmu/parts.h"
 #include "portable/fmu/terminals.h"
 #include "portable/library/library_code.h"
@@ -102,12 +103,53 @@ std::vector<FmuVariable> variables_of(const GeneratedCode& code, FmuOptions::Kin
   return list;
 }
 
+/// The components of a vector as one variable, with the reference of the first of them.
+FmuVariable joined(const std::vector<FmuVariable>& list, const portable::OutputVector& vector) {
+  FmuVariable out;
+  std::set<unsigned> dependencies;
+  for (const FmuVariable& v : list) {
+    if (v.outputs.size() != 1 ||
+        std::find(vector.outputs.begin(), vector.outputs.end(), v.outputs[0]) == vector.outputs.end())
+      continue;
+    if (out.outputs.empty()) out = v;
+    out.outputs = vector.outputs;
+    out.depends_on_all = out.depends_on_all || v.depends_on_all;
+    dependencies.insert(v.dependencies.begin(), v.dependencies.end());
+  }
+  out.dependencies.assign(dependencies.begin(), dependencies.end());
+  out.meaning = fmt::format("{} of {}", vector.quantity, vector.of.meaning);
+  return out;
+}
+
+/// Where all components of a vector are outputs whose names have a stem in common, they become one of that
+/// name.
+void join_arrays(FmuCode& fmu, const spec::Model& model) {
+  std::vector<FmuVariable>& list = fmu.variables;
+  for (const portable::OutputVector& vector :
+       portable::output_vectors(fmu.code, portable::output_places(fmu.code, model))) {
+    if (vector.stem.empty()) continue;
+    FmuVariable array = joined(list, vector);
+    const auto is_part = [&](const FmuVariable& v) {
+      return v.outputs.size() == 1 &&
+             std::find(vector.outputs.begin(), vector.outputs.end(), v.outputs[0]) != vector.outputs.end();
+    };
+    const auto is_called = [&](const std::string& name) {
+      return std::any_of(list.begin(), list.end(),
+                         [&](const FmuVariable& v) { return v.name == name && !is_part(v); });
+    };
+    array.name = is_called(vector.stem) ? "output." + vector.stem : vector.stem;
+    while (is_called(array.name)) array.name += "_";
+    std::erase_if(list, [&](const FmuVariable& v) { return is_part(v) && v.reference != array.reference; });
+    *std::find_if(list.begin(), list.end(), is_part) = std::move(array);
+  }
+}
+
 /// Of all that the code is, in the form of a UUID.
-std::string token_of(const GeneratedCode& code, int version) {
+std::string token_of(const GeneratedCode& code, int version, bool arrays) {
   Sha256 digest;
   digest.add(code.header);
   digest.add(code.source);
-  digest.add(fmt::format("{}", version));
+  digest.add(fmt::format("{}{}", version, arrays ? " arrays" : ""));
   const std::string hex = digest.hex();
   return fmt::format("{{{}-{}-{}-{}-{}}}", hex.substr(0, 8), hex.substr(8, 4), hex.substr(12, 4),
                      hex.substr(16, 4), hex.substr(20, 12));
@@ -136,15 +178,19 @@ FmuCode generate_fmu(const std::shared_ptr<const Model>& model, const RunOptions
   const bool exchange = fmu.kind == FmuOptions::Kind::model_exchange;
   if (fmu.with_library && exchange)
     throw InputError(Mark{}, "the library makes steps of its own: it is for co-simulation alone");
+  if (fmu.version == 2 && fmu.arrays)
+    throw InputError(Mark{}, "FMI 2 has no arrays: leave out 'arrays', or write an FMU of FMI 3");
   out.version = fmu.version;
   out.kind = fmu.kind;
   out.with_library = fmu.with_library;
+  out.arrays = fmu.arrays;
   const std::string name = fmu.name.empty() ? identifier_of(model->spec().file) : fmu.name;
   out.code = fmu.with_library ? portable::library_code(model, options, name)
              : exchange       ? generate_exchange_code(model, options, name)
                               : generate_code(model, options, name);
-  out.token = token_of(out.code, fmu.version);
+  out.token = token_of(out.code, fmu.version, fmu.arrays);
   out.variables = variables_of(out.code, fmu.kind, fmu.version);
+  if (fmu.arrays) join_arrays(out, model->spec());
   out.wrapper = portable::fmu_wrapper(out);
   return out;
 }

@@ -134,16 +134,41 @@ static int @_fmu_none(const @_fmu *f, size_t count) {
   return count > 0 ? @_fmu_wrong(f, "the FMU has no variables of this type") : @_FMU_OK;
 }
 
+#if @_FMU_ARRAYS
+/* How many values a variable has; 0: it is an element of another one. */
+static size_t @_fmu_size(unsigned long reference) {
+  const unsigned long output = reference - @_FMU_FIRST_OUTPUT;
+  return @_fmu_known(reference, @_FMU_FIRST_OUTPUT, @_FMU_OUTPUTS) ? (size_t)@_fmu_sizes[output] : 1;
+}
+/* An element, by the reference that it has as a scalar. */
+static unsigned long @_fmu_element(unsigned long reference, size_t k) {
+  const unsigned long output = reference - @_FMU_FIRST_OUTPUT;
+  if (!@_fmu_known(reference, @_FMU_FIRST_OUTPUT, @_FMU_OUTPUTS)) return reference;
+  return @_FMU_FIRST_OUTPUT + (unsigned long)@_fmu_elements[output*@_FMU_LONGEST + k];
+}
+#else
+static size_t @_fmu_size(unsigned long reference) {
+  (void)reference;
+  return 1;
+}
+static unsigned long @_fmu_element(unsigned long reference, size_t k) {
+  (void)k;
+  return reference;
+}
+#endif
+
 /* The value of a variable of real numbers. */
 static int @_fmu_real(@_fmu *f, unsigned long reference, double *value);
 
 static int @_fmu_get_reals(@_fmu *f, const @_fmu_reference *references, size_t count, double *values) {
-  size_t k;
+  size_t k, e;
   int status = @_FMU_OK;
   for (k = 0; k < count; ++k)
-    if (!@_fmu_known(references[k], 0, @_FMU_REALS))
+    if (!@_fmu_known(references[k], 0, @_FMU_REALS) || @_fmu_size(references[k]) == 0)
       return @_fmu_wrong(f, "a reference belongs to no variable of this type; nothing was read");
-  for (k = 0; k < count && status == @_FMU_OK; ++k) status = @_fmu_real(f, references[k], values + k);
+  for (k = 0; k < count; ++k)
+    for (e = 0; e < @_fmu_size(references[k]) && status == @_FMU_OK; ++e)
+      status = @_fmu_real(f, @_fmu_element(references[k], e), values++);
   return status;
 }
 

@@ -89,7 +89,8 @@ std::string fmu_page(const FmuCode& fmu, const Model& model, const std::string& 
   for (const FmuVariable& v : fmu.variables) {
     const bool starts = v.role == Role::input || v.role == Role::parameter;
     page += fmt::format("<tr><td>{}</td><td>{}</td><td>{}{}</td><td>{}</td><td>{}</td></tr>\n",
-                        escaped(v.name), escaped(v.unit), kind(v.role),
+                        escaped(v.name) + (v.outputs.size() > 1 ? fmt::format("[{}]", v.outputs.size()) : ""),
+                        escaped(v.unit), kind(v.role),
                         v.role == Role::input || v.role == Role::parameter ? "" : escaped(v.meaning),
                         starts ? fmt::format("{}", v.start) : "", range(v));
   }

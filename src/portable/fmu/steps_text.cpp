@@ -19,7 +19,11 @@ enum {
 #define @_FMU_FIXED 0 /* where parameters cannot be set */
 #define @_FMU_ENDS (@_FMU_RUNS | @_FMU_STOPPED)
 #define @_FMU_STOPS 1 /* a stop time is kept: no step ends behind it */
+#if @_FMU_VARIES
+#define @_FMU_NO_ADJOINTS "the FMU has no adjoint derivatives; it has directional ones: fmi3GetDirectionalDerivative"
+#else
 #define @_FMU_NO_ADJOINTS "the FMU has neither adjoint nor directional derivatives"
+#endif
 
 /* References: the time; inputs and parameters; outputs; counts. */
 #define @_FMU_FIRST_OUTPUT (1u + @_FMU_INPUTS)
@@ -83,6 +87,49 @@ static int @_fmu_get_counts(@_fmu *f, const @_fmu_reference *references, size_t 
       return @_fmu_wrong(f, "a reference belongs to no variable of this type; nothing was read");
   for (k = 0; k < count; ++k) values[k] = @_fmu_count(f, references[k]);
   return @_FMU_OK;
+}
+
+/* The directional derivatives of outputs along the seed of inputs, parameters and the time, the motion being that of now.
+ * Between two steps outputs are on a line, and inputs count from its end on. */
+static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_count, const @_fmu_reference *knowns,
+                      size_t known_count, const double *seed, double *result) {
+#if @_FMU_VARIES
+  const @_fmu_progress *const p = &f->progress;
+  double inputs[@_FMU_INPUTS + 1], outputs[@_FMU_OUTPUTS + 1], time = 0.0;
+  size_t k, e;
+  if (!@_fmu_turn(f, @_FMU_STARTS | @_FMU_RUNS | @_FMU_STOPPED | @_FMU_TERMINATED)) return @_FMU_ERROR;
+  if ((unknown_count > 0 && (!unknowns || !result)) || (known_count > 0 && (!knowns || !seed)))
+    return @_fmu_wrong(f, "the references, the seed or the array of results is missing");
+  memset(inputs, 0, sizeof inputs);
+  for (k = 0; k < unknown_count; ++k)
+    if (!@_fmu_known(unknowns[k], @_FMU_FIRST_OUTPUT, @_FMU_OUTPUTS) || @_fmu_size(unknowns[k]) == 0)
+      return @_fmu_wrong(f, "an unknown is no output of real numbers; nothing was read");
+  for (k = 0; k < known_count; ++k) {
+    if (!@_fmu_known(knowns[k], 0, 1u + @_FMU_INPUTS))
+      return @_fmu_wrong(f, "a known is neither input nor parameter nor the time; nothing was read");
+    if (!@_fmu_finite(seed[k])) return @_fmu_wrong(f, "a seed is not finite; nothing was read");
+    if (knowns[k] == 0)
+      time += seed[k];
+    else
+      inputs[knowns[k] - 1] += seed[k];
+  }
+  if (p->between)
+    for (k = 0; k < @_FMU_OUTPUTS; ++k) outputs[k] = time*(p->after[k] - p->before[k])/@_FMU_STEP;
+  else
+    @_vary(&f->model, inputs, time, outputs);
+  for (k = 0; k < unknown_count; ++k)
+    for (e = 0; e < @_fmu_size(unknowns[k]); ++e)
+      *result++ = outputs[@_fmu_element(unknowns[k], e) - @_FMU_FIRST_OUTPUT];
+  return @_FMU_OK;
+#else
+  (void)unknowns;
+  (void)unknown_count;
+  (void)knowns;
+  (void)known_count;
+  (void)seed;
+  (void)result;
+  return @_fmu_wrong(f, "the FMU has no directional derivatives");
+#endif
 }
 
 /* Leaves initialization mode. */

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "portable/code_parts.h"
 #include "portable/constants.h"
 #include "portable/fmu/parts.h"
@@ -8,6 +10,31 @@
 #include "portable/write_tables.h"
 
 namespace mimbre::portable {
+
+namespace {
+
+/// By the number of an output of the code: how many elements the variable has whose reference it is (0: there
+/// is none), and which outputs these are, in rows of the longest one.
+struct Arrays {
+  explicit Arrays(const FmuCode& fmu) {
+    const std::size_t first = 1 + fmu.code.inputs.size(), outputs = fmu.code.outputs.size();
+    for (const FmuVariable& v : fmu.variables)
+      longest = std::max(longest, static_cast<int>(v.outputs.size()));
+    sizes.resize(outputs);
+    elements.resize(outputs * static_cast<std::size_t>(longest));
+    for (const FmuVariable& v : fmu.variables) {
+      if (v.outputs.empty()) continue;
+      const std::size_t at = v.reference - first;
+      sizes[at] = static_cast<int>(v.outputs.size());
+      std::copy(v.outputs.begin(), v.outputs.end(),
+                elements.begin() + static_cast<std::ptrdiff_t>(at) * longest);
+    }
+  }
+  int longest = 1;
+  std::vector<int> sizes, elements;
+};
+
+}  // namespace
 
 std::string fmu_wrapper_file(const FmuCode& fmu) { return fmt::format("fmi{}.c", fmu.version); }
 
@@ -44,11 +71,14 @@ std::string fmu_wrapper(const FmuCode& fmu) {
   define("INPUTS", std::ssize(fmu.code.inputs));
   define("OUTPUTS", std::ssize(fmu.code.outputs));
   define("LIBRARY", fmu.with_library ? 1L : 0L);
+  define("VARIES", long{fmu.code.varies});
+  const Arrays arrays(fmu);
+  define("ARRAYS", arrays.longest > 1 ? 1L : 0L);
+  define("LONGEST", long{arrays.longest});
   if (exchange) {
     define("STATES", std::ssize(fmu.code.states));
     define("INDICATORS", long{fmu.code.indicators});
     define("INDICATOR_VARIABLES", fmu.version == 2 ? 0L : long{fmu.code.indicators});
-    define("VARIES", long{fmu.code.varies});
     define.text("MODEL_OK", upper + "_OK");
   } else {
     define.text("STEP", upper + "_STEP");
@@ -66,6 +96,8 @@ std::string fmu_wrapper(const FmuCode& fmu) {
   }
   s += table(name + "_fmu_least", least) + table(name + "_fmu_most", most) +
        table(name + "_fmu_start", start) + table(name + "_fmu_tunable", tunable);
+  if (arrays.longest > 1)
+    s += table(name + "_fmu_sizes", arrays.sizes) + table(name + "_fmu_elements", arrays.elements);
   const bool two = fmu.version == 2;
   for (const char* text :
        {two ? fmi2_types_text : fmi3_types_text, exchange ? fmu_exchange_head_text : fmu_steps_head_text,
