@@ -37,7 +37,7 @@ struct GeneratedCode {
   std::vector<std::string> left_out;   ///< outputs of the model that the code has not, with their kinds
   std::vector<GeneratedState> states;  ///< of code for derivatives: positions, their rates, others
   int indicators = 0;                  ///< likewise: of events
-  bool varies = false;                 ///< likewise: it has directional derivatives
+  bool varies = false;                 ///< it has directional derivatives
   double step = 0;                     ///< s
   long operations = 0;                 ///< in a step at most: sums, products, quotients, functions
   long bytes = 0;                      ///< of the struct

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
 
@@ -206,6 +207,36 @@ def test_the_program_writes_arrays(tmp_path: Path) -> None:
     assert (tmp_path / "a.fmu").read_bytes() == (tmp_path / "b.fmu").read_bytes()
     with pytest.raises(mimbre.InputError, match="FMI 2 has no arrays"):
         mimbre.Model.from_file(tmp_path / "arm.yaml").fmu(tmp_path / "b.fmu", version=2, arrays=True)
+
+
+def announces_directions(folder: str, version: int) -> bool:
+    kind = ET.parse(Path(folder) / "modelDescription.xml").getroot().find("CoSimulation")
+    assert kind is not None
+    return kind.get(f"providesDirectionalDerivative{'s' if version == 3 else ''}") == "true"
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_directional_derivatives_at_a_communication_point(tmp_path: Path, version: Any) -> None:
+    model = mimbre.Model.from_text(arm)
+    path = model.fmu(tmp_path / "arm.fmu", version=version, name="arm")
+    folder = str(fmpy.extract(str(path), tmp_path / "extracted"))
+    assert announces_directions(folder, version)
+    description = fmpy.read_model_description(folder)
+    references = {v.name: v.valueReference for v in description.modelVariables}
+    f = fmpy.instantiate_fmu(folder, description, "CoSimulation")
+    if version == 2:
+        f.setupExperiment(startTime=0.0)
+    f.enterInitializationMode()
+    f.exitInitializationMode()
+    for k in range(20):
+        f.doStep(currentCommunicationPoint=k * 0.01, communicationStepSize=0.01)
+    outputs = [references[name] for name in ("shown", "wave", "tip.x")]
+    derivative = f.getDirectionalDerivative(outputs, [references["push"]], [2.0])
+    assert derivative == pytest.approx([2 * 3 * 0.3**2, 2 * np.sin(0.6), 0.0], abs=1e-12)
+    f.terminate()
+    f.freeInstance()
+    library = model.fmu(tmp_path / "library.fmu", version=version, name="arm", library=True)
+    assert not announces_directions(str(fmpy.extract(str(library), tmp_path / "library")), version)
 
 
 def test_a_block_reads_elements_of_arrays(tmp_path: Path) -> None:

@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,11 @@ void name_variables(const Compiled& m, const State& start, const RecordedModel& 
 std::string variable_names(const GeneratedCode& code);
 /// The table of where inputs are held, and their ranges.
 std::string held_inputs(const Compiled& m, const GeneratedCode& code);
+
+/// As generate_code. `varies`: also how outputs vary with inputs and the time while the motion does not,
+/// where that is known (GeneratedCode::varies).
+GeneratedCode generate_steps(const std::shared_ptr<const Model>& model, const RunOptions& options,
+                             const std::string& name, bool varies);
 
 /// The members of a struct, and their numbers.
 struct StructText {

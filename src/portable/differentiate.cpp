@@ -19,7 +19,10 @@ bool is_zero(const Recorded& r) { return r.is_constant() && r.number == 0; }
 /// Follows values back to what varies (forward mode: Griewank, Walther 2008, chapter 3).
 class Variation {
  public:
-  explicit Variation(Program& program) : program_(program) {}
+  Variation(Program& program, VariationOf kept, const std::vector<int>& fixed)
+      : program_(program), kept_(kept) {
+    for (const int node : fixed) known_.emplace(node, 0);
+  }
 
   Recorded of(const Recorded& value) {
     if (value.is_constant()) return 0;
@@ -75,8 +78,9 @@ class Variation {
     const auto varies = [&](int of) { return of < 0 ? Recorded(0) : known_.at(of); };
     if (n.op == Op::constant || Recording::is_condition(n.op)) return 0;
     if (n.op == Op::input) {
-      const Memory memory = variation_of(static_cast<Memory>(n.b));
-      return memory == Memory::count ? Recorded(0) : program_.input(memory, n.a);
+      const std::optional<Memory> memory = kept_(static_cast<Memory>(n.b));
+      if (!memory) throw NotRecordable("has an output that depends on second derivatives of signals");
+      return *memory == Memory::count ? Recorded(0) : program_.input(*memory, n.a);
     }
     if (n.op == Op::call) return 0;  // its parts vary
     if (n.op == Op::part) return part(n);
@@ -180,12 +184,13 @@ class Variation {
   }
 
   Program& program_;
+  const VariationOf kept_;
   std::unordered_map<int, Recorded> known_;
 };
 
 }  // namespace
 
-Memory variation_of(Memory memory) {
+std::optional<Memory> variation_of(Memory memory) {
   switch (memory) {
     case Memory::q:
       return Memory::d_q;
@@ -226,8 +231,28 @@ Memory variation_of(Memory memory) {
   }
 }
 
-void differentiate(Program& program, const std::vector<std::string>& phases, const std::vector<int>& after) {
-  Variation variation(program);
+std::optional<Memory> variation_at_rest(Memory memory) {
+  switch (memory) {
+    case Memory::held:
+      return Memory::d_held;
+    case Memory::time:
+      return Memory::d_time;
+    case Memory::slot:
+      return Memory::d_slot;
+    case Memory::rate:
+      return Memory::d_rate;
+    case Memory::second:
+      return std::nullopt;
+    case Memory::output:
+      return Memory::d_output;
+    default:
+      return Memory::count;
+  }
+}
+
+void differentiate(Program& program, const std::vector<std::string>& phases, const std::vector<int>& after,
+                   VariationOf of, const std::vector<int>& fixed) {
+  Variation variation(program, of, fixed);
   std::vector<int> before = after;
   for (const std::string& name : phases) {
     const auto found = std::find_if(program.phases.begin(), program.phases.end(),
@@ -236,8 +261,8 @@ void differentiate(Program& program, const std::vector<std::string>& phases, con
     const std::vector<Store> stores = found->stores;
     const int number = program.begin("d_" + name, before);
     for (const Store& s : stores) {
-      const Memory to = variation_of(s.to);
-      if (to != Memory::count) program.store(to, s.at, variation.of(s.value));
+      const std::optional<Memory> to = of(s.to);
+      if (to && *to != Memory::count) program.store(*to, s.at, variation.of(s.value));
     }
     before.push_back(number);
   }

@@ -27,7 +27,7 @@ namespace {
 class Generator {
  public:
   Generator(const Compiled& m, const Method& method, const std::map<std::string, double>& inputs,
-            const std::string& name)
+            const std::string& name, bool varies)
       : m_(m), method_(method), name_(name), mechanism_(m, method) {
     options_.step = method.step;
     options_.rule = method.integrator;
@@ -45,7 +45,8 @@ class Generator {
     penalty_.assign(alpha, alpha + m.equations);
     const TangentMarks marks(m);
     for (std::size_t k = 0; k < m.elements.size(); ++k) small_.push_back(marks.small(k));
-    recorded_ = record_model(m, {rate_ * scale_, scale_, method.penalty}, penalty_, h, small_);
+    recorded_ = record_model(m, {rate_ * scale_, scale_, method.penalty}, penalty_, h, small_, varies);
+    out_.varies = varies && recorded_->without_variations.empty();
   }
 
   GeneratedCode write() {
@@ -70,6 +71,7 @@ class Generator {
     write_exchange();
     out_.source += named(linear_text, name_) + named(finite_text, name_) + named(integrator_text, name_) +
                    named(interface_text, name_);
+    if (out_.varies) out_.source += named(variations_text, name_);
     return std::move(out_);
   }
 
@@ -157,6 +159,11 @@ class Generator {
       work.add(member, size);
       work.doubles += 4L * std::max(size, 1);
     }
+    if (out_.varies) {
+      work.add(name_of(Memory::d_held), std::ssize(m_.signals.start));
+      for (const Memory memory : {Memory::d_time, Memory::d_slot, Memory::d_rate, Memory::d_output})
+        work.add(name_of(memory), size_of(memory));
+    }
     work_ = work.text +
             "  int iterations, factorisations, unconverged; /* of the last step */\n  int replaced, mixed, "
             "shown;\n";
@@ -209,6 +216,7 @@ class Generator {
         "double @_time(const @ *s);\n"
         "void @_save(const @ *s, @_state *state);\nvoid @_restore(@ *s, const @_state *state);\n\n",
         name_);
+    if (out_.varies) h += named(variations_at_rest_header_text, name_);
     h += "#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
   }
 
@@ -354,8 +362,8 @@ std::string identifier_of(const std::string& file) {
   return portable::identifier(std::filesystem::path(file).stem().string());
 }
 
-GeneratedCode generate_code(const std::shared_ptr<const Model>& model, const RunOptions& options,
-                            const std::string& name) {
+GeneratedCode portable::generate_steps(const std::shared_ptr<const Model>& model, const RunOptions& options,
+                                       const std::string& name, bool varies) {
   portable::check_identifier(name);
   RunOptions fixed = options;
   fixed.fixed_cost = true;
@@ -364,11 +372,16 @@ GeneratedCode generate_code(const std::shared_ptr<const Model>& model, const Run
   std::vector<Diagnostic> reasons = portable::refusals(m, method);
   if (!reasons.empty()) throw InputError(std::move(reasons));
   try {
-    return portable::Generator(m, method, options.inputs, name).write();
+    return portable::Generator(m, method, options.inputs, name, varies).write();
   } catch (const NotRecordable& reason) {
     throw InputError({m.spec().file, 0, 0},
                      fmt::format("code cannot be made of this model: it {}", reason.what()));
   }
+}
+
+GeneratedCode generate_code(const std::shared_ptr<const Model>& model, const RunOptions& options,
+                            const std::string& name) {
+  return portable::generate_steps(model, options, name, false);
 }
 
 void write_code(const GeneratedCode& code, const std::string& folder) {

@@ -20,7 +20,7 @@ const char* name_of(Memory memory) {
                                     "d_slot",     "d_rate",    "d_second",
                                     "d_phi",      "d_phi_dot", "d_phi_ddot",
                                     "d_r",        "d_x_rate",  "d_w_rate",
-                                    "d_output"};
+                                    "d_output",   "d_now"};
   static_assert(names.size() == memories);
   return names[static_cast<std::size_t>(memory)];
 }

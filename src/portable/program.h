@@ -64,6 +64,7 @@ enum class Memory {
   d_increment_rate,
   d_state_rate,
   d_output,
+  d_time,
   count
 };
 inline constexpr std::size_t memories = static_cast<std::size_t>(Memory::count);

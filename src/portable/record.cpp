@@ -56,7 +56,7 @@ class Recorder {
     out_->remembers = !m.states.empty() || !m.signals.integrals.empty() || out_->blocks;
   }
 
-  std::unique_ptr<RecordedModel> record() {
+  std::unique_ptr<RecordedModel> record(bool varies) {
     record_origin();
     for (const Instant i : instants)
       if (i == Instant::step || out_->blocks) record_signals(i);
@@ -68,6 +68,7 @@ class Recorder {
     record_matrix();
     record_exchange();
     record_steps();
+    if (varies) record_variations_at_rest();
     return std::move(out_);
   }
 
@@ -156,6 +157,7 @@ class Recorder {
       else
         make_block_jets(d, d.blocks[f.block], s);
     });
+    note_limited(i);
     for (const SignalsData::Integral& of : d.integrals) {
       const T from = s.held[of.held], span = time() - s.held[of.held + 1], now = s.value[of.rate];
       s.put(of.slot, JetOf<T>{from + span * (now - T(0.5) * span * s.rate[of.rate]), now, s.rate[of.rate]});
@@ -212,8 +214,17 @@ class Recorder {
     read_slots();
     relative::measure_elements<T>(m_, w_, q_.data(), v_.data(), a_.data());
     relative::sense<T>(m_, w_, q_.data());
+    note_limited(i);
     for (int k = m_.signals.first_moving; k < m_.signals.slots; ++k)
       p_.store(Memory::slot, k, w_.signals.value[static_cast<std::size_t>(k)]);
+  }
+  /// A limit of rates lets nothing change at once, although at rest its value is that of its input.
+  void note_limited(Instant i) {
+    if (i != Instant::rest) return;
+    for (const SignalsData::Block& b : m_.signals.blocks)
+      if (const T& value = w_.signals.value[static_cast<std::size_t>(b.slot)];
+          value.node >= 0 && blocks::infos[static_cast<std::size_t>(b.type)]->name == "rate_limit")
+        limited_.push_back(value.node);
   }
   /// And what elements feel of theirs by their own motion.
   void record_senses(Instant i) {
@@ -460,6 +471,25 @@ class Recorder {
     const std::size_t before = p_.phases.size();
     try {
       differentiate(p_, phases, {origin_});
+    } catch (const NotRecordable& reason) {
+      p_.phases.resize(before);
+      out_->without_variations = reason.what();
+    }
+  }
+
+  /// How outputs vary with inputs and the time while the motion does not, at all instants at which they are
+  /// looked at. What phases hand on may be of another instant, so that each computes what it needs.
+  void record_variations_at_rest() {
+    const std::size_t before = p_.phases.size();
+    try {
+      for (const Instant i :
+           out_->blocks ? std::vector{Instant::fresh, Instant::rest} : std::vector{Instant::step}) {
+        const std::string name = instant_names[static_cast<std::size_t>(i)];
+        const std::vector<int> fixed = i == Instant::rest ? limited_ : std::vector<int>();
+        differentiate(p_, {"signals_" + name}, {origin_}, variation_at_rest, fixed);
+        if (out_->senses) differentiate(p_, {"sense_" + name}, {origin_}, variation_at_rest, fixed);
+      }
+      differentiate(p_, {"outputs"}, {origin_}, variation_at_rest);
     } catch (const NotRecordable& reason) {
       p_.phases.resize(before);
       out_->without_variations = reason.what();
@@ -742,14 +772,15 @@ class Recorder {
   AlignedVector<T> rest_elements_;
   int origin_ = -1, motion_ = -1, rest_ = -1, forces_ = -1, matrix_ = -1;
   std::array<int, 3> signals_{}, senses_{}, blocks_{};
+  std::vector<int> limited_;  ///< nodes of blocks that limit rates, at rest
 };
 
 }  // namespace
 
 std::unique_ptr<RecordedModel> record_model(const Compiled& model, const MatrixWeights& weights,
                                             const std::vector<double>& penalty, double step,
-                                            const std::vector<double>& small_marks) {
-  return Recorder(model, weights, penalty, step, small_marks).record();
+                                            const std::vector<double>& small_marks, bool varies) {
+  return Recorder(model, weights, penalty, step, small_marks).record(varies);
 }
 
 std::unique_ptr<RecordedModel> record_instant(const Compiled& model) {

@@ -39,18 +39,19 @@ struct RecordedModel {
   std::vector<std::string> left_out;    ///< outputs that it has not, with the reason
   std::vector<RememberedState> states;  ///< of an instant, in the order of Memory::state_rate
   std::vector<JacobianEntry> mass;      ///< likewise, rows and columns in the order of Memory::mass
-  std::string without_variations;  ///< likewise, why directional derivatives are not known; empty: they are
-  bool senses = false;             ///< signals see the motion
-  bool blocks = false;             ///< signals remember
-  bool remembers = false;          ///< commit is needed
-  bool rests = false;              ///< laws at rest are others than in a step
-  bool jumps = false;              ///< laws remember signals where these jump
+  std::string without_variations;       ///< why directional derivatives are not known; empty: they are
+  bool senses = false;                  ///< signals see the motion
+  bool blocks = false;                  ///< signals remember
+  bool remembers = false;               ///< commit is needed
+  bool rests = false;                   ///< laws at rest are others than in a step
+  bool jumps = false;                   ///< laws remember signals where these jump
 };
 
-/// Runs the kernels of a step of `step` seconds once. Throws NotRecordable.
+/// Runs the kernels of a step of `step` seconds once. `varies`: also how outputs vary with inputs and the
+/// time while the motion does not. Throws NotRecordable.
 std::unique_ptr<RecordedModel> record_model(const Compiled& model, const MatrixWeights& weights,
                                             const std::vector<double>& penalty, double step,
-                                            const std::vector<double>& small_marks);
+                                            const std::vector<double>& small_marks, bool varies);
 
 /// The same of what an instant takes alone, without a step: equations, forces, mass, outputs, and the rates
 /// of what is remembered. Throws NotRecordable.

@@ -11,6 +11,10 @@ extern const char* const finite_text;      ///< whether numbers are finite
 extern const char* const integrator_text;  ///< a step
 extern const char* const interface_text;   ///< what hosts call
 
+// How outputs vary while the motion does not.
+extern const char* const variations_text;
+extern const char* const variations_at_rest_header_text;
+
 // Of model exchange.
 extern const char* const exchange_text;  ///< derivatives of the state by time, and the functions for hosts
 extern const char* const exchange_header_text;    ///< the functions that hosts call

@@ -11,6 +11,7 @@
 #include "base/sha256.h"
 #include "mimbre/diagnostics.h"
 #include "mimbre/method_names.h"
+#include "portable/code_parts.h"
 #include "portable/fmu/extra.h"
 #include "portable/fmu/icon.h"
 #include "portable/fmu/output_places.h"
@@ -187,7 +188,7 @@ FmuCode generate_fmu(const std::shared_ptr<const Model>& model, const RunOptions
   const std::string name = fmu.name.empty() ? identifier_of(model->spec().file) : fmu.name;
   out.code = fmu.with_library ? portable::library_code(model, options, name)
              : exchange       ? generate_exchange_code(model, options, name)
-                              : generate_code(model, options, name);
+                              : portable::generate_steps(model, options, name, true);
   out.token = token_of(out.code, fmu.version, fmu.arrays);
   out.variables = variables_of(out.code, fmu.kind, fmu.version);
   if (fmu.arrays) join_arrays(out, model->spec());

@@ -117,6 +117,17 @@ static int call(int function, void *c, void **state, byte **bytes, size_t *size,
 #else
       return fmi3DeserializeFMUState(c, *bytes, *size - (size_t)(*size > 0 && one_of(9) == 0), handle);
 #endif
+    case 19: {
+      unsigned knowns[2];
+      double results[most];
+      knowns[0] = reference(5);
+      knowns[1] = reference(5);
+#if FMI == 2
+      return fmi2GetDirectionalDerivative(c, maybe(refs), count, maybe(knowns), 2, maybe(values), (double *)maybe(results));
+#else
+      return fmi3GetDirectionalDerivative(c, maybe(refs), count, maybe(knowns), 2, maybe(values), one_of(5) ? 2 : 3, (double *)maybe(results), one_of(5) ? count : 4);
+#endif
+    }
     default: {
       const double from = one_of(9) ? *now : number(INSTANCE_STEP);
       const double length = one_of(4) ? INSTANCE_STEP*(double)one_of(400)/100.0 : number(INSTANCE_STEP);
@@ -147,7 +158,7 @@ int main(int count, char **words) {
     int k;
     if (c && one_of(3)) initialize(c);
     for (k = 0; k < 200; ++k) {
-      const int function = one_of(22);
+      const int function = one_of(23);
       if (!counted(function, call(function, one_of(50) ? c : NULL, state, &bytes, &size, &now))) return 1;
     }
     free(bytes);
