@@ -68,6 +68,7 @@ TEST(FmuArrays, JoinAllComponentsOfAVector) {
   EXPECT_THAT(outputs_of(fmu),
               testing::ElementsAre("tip", "turn", "part.x", "part.y", "output.speed", "speed", "shown"));
   EXPECT_EQ(variable(fmu, "tip").outputs, (std::vector<int>{1, 3, 0}));
+  EXPECT_EQ(variable(fmu, "tip").meaning, "position of frame 'tip'");
   pugi::xml_document document;
   ASSERT_TRUE(document.load_string(fmu_description(fmu, *model, true).c_str()));
   const pugi::xml_node root = document.child("fmiModelDescription"),

@@ -231,6 +231,25 @@ TEST_P(FmuDirections, RefusesWrongDirections) {
   EXPECT_EQ(f.vary({}, {}, {}, nullptr), fmi_ok);
 }
 
+/// Neither inputs nor outputs: all of the model's are left out. The compiler warns of nothing.
+TEST_P(FmuDirections, OfNothingAreNone) {
+  const auto model = model_of(R"yaml(
+bodies: {link: {mass: 1, inertia: [0.1, 0.1, 0.1], com: [0.5, 0, 0]}}
+joints: {hinge: {type: revolute, between: [ground, link], at: [0, 0, 0], axis: [0, 1, 0]}}
+outputs: [{name: force, joint_force: hinge, component: fx}]
+simulation: {step: 0.01, end: 1}
+)yaml");
+  const FmuLibrary& of = library(model, "nothing");
+  ASSERT_TRUE(of.fmu().code.outputs.empty());
+  FmuInstance f(of);
+  f.start();
+  EXPECT_EQ(f.step(0, 0.015), fmi_ok);
+  double none = 7;
+  EXPECT_EQ(f.vary({}, {0}, {1}, &none), fmi_ok);
+  EXPECT_EQ(none, 7);
+  EXPECT_EQ(f.vary({0}, {0}, {1}, &none), fmi_error);
+}
+
 /// Nothing of it is in code that is no FMU.
 TEST(FmuDirectionsCode, LeavesGeneratedCodeAsItIs) {
   const GeneratedCode code = generate_code(shown_inputs(), {}, "plain_code");

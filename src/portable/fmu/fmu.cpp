@@ -118,7 +118,7 @@ FmuVariable joined(const std::vector<FmuVariable>& list, const portable::OutputV
     dependencies.insert(v.dependencies.begin(), v.dependencies.end());
   }
   out.dependencies.assign(dependencies.begin(), dependencies.end());
-  out.meaning = fmt::format("{} of {}", vector.quantity, vector.of.meaning);
+  out.meaning = vector.meaning;
   return out;
 }
 

@@ -144,6 +144,14 @@ OutputMeaning place_of_coordinate(const spec::Model& m, const std::string& name)
   return {};
 }
 
+std::string vector_meaning(std::string quantity, const ModelPlace& of) {
+  const std::string own = ".own_axes";
+  const bool own_axes = quantity.ends_with(own);
+  if (own_axes) quantity.resize(quantity.size() - own.size());
+  std::replace(quantity.begin(), quantity.end(), '_', ' ');
+  return fmt::format("{} of {}{}", quantity, of.meaning, own_axes ? " in its own axes" : "");
+}
+
 /// Follows values back to inputs.
 class InputSearch {
  public:
@@ -214,8 +222,9 @@ std::vector<OutputVector> output_vectors(const GeneratedCode& code,
   std::vector<OutputVector> out;
   for (const auto& [key, outputs] : found) {
     if (std::find(outputs.begin(), outputs.end(), -1) != outputs.end()) continue;
-    out.push_back(
-        {places[static_cast<std::size_t>(outputs[0])].of, std::get<1>(key), outputs, std::get<2>(key)});
+    const ModelPlace& of = places[static_cast<std::size_t>(outputs[0])].of;
+    const auto& [place, quantity, stem] = key;
+    out.push_back({of, quantity, outputs, stem, vector_meaning(quantity, of)});
   }
   std::sort(out.begin(), out.end(), [](const OutputVector& a, const OutputVector& b) {
     return *std::min_element(a.outputs.begin(), a.outputs.end()) <

@@ -33,6 +33,7 @@ struct OutputVector {
   std::vector<int> outputs;  ///< of the code, by number, in the order of the components
   /// What the names of the outputs have in common: "tip" of tip.x, tip.y and tip.z. Empty: nothing.
   std::string stem;
+  std::string meaning;  ///< "angular velocity of frame 'tip' in its own axes"
 };
 /// Those of which the code has all components.
 std::vector<OutputVector> output_vectors(const GeneratedCode& code, const std::vector<OutputMeaning>& places);

@@ -97,6 +97,7 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
   const @_fmu_progress *const p = &f->progress;
   double inputs[@_FMU_INPUTS + 1], outputs[@_FMU_OUTPUTS + 1], time = 0.0;
   size_t k, e;
+  int output;
   if (!@_fmu_turn(f, @_FMU_STARTS | @_FMU_RUNS | @_FMU_STOPPED | @_FMU_TERMINATED)) return @_FMU_ERROR;
   if ((unknown_count > 0 && (!unknowns || !result)) || (known_count > 0 && (!knowns || !seed)))
     return @_fmu_wrong(f, "the references, the seed or the array of results is missing");
@@ -114,7 +115,8 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
       inputs[knowns[k] - 1] += seed[k];
   }
   if (p->between)
-    for (k = 0; k < @_FMU_OUTPUTS; ++k) outputs[k] = time*(p->after[k] - p->before[k])/@_FMU_STEP;
+    for (output = 0; output < @_FMU_OUTPUTS; ++output)
+      outputs[output] = time*(p->after[output] - p->before[output])/@_FMU_STEP;
   else
     @_vary(&f->model, inputs, time, outputs);
   for (k = 0; k < unknown_count; ++k)

@@ -70,7 +70,7 @@ class Terminals {
   void add_vector(Terminal& t, const OutputVector& vector) {
     const std::string name = is_free(t, vector.quantity) ? vector.quantity : vector.stem;
     if (!is_free(t, name)) return;
-    Terminal inner{name, "plug", "_mimbre_vector", vector.quantity + " of " + vector.of.meaning};
+    Terminal inner{name, "plug", "_mimbre_vector", vector.meaning};
     for (const int output : vector.outputs)
       inner.members.emplace_back(outputs_[static_cast<std::size_t>(output)].component, name_of(output));
     t.inner.push_back(std::move(inner));
