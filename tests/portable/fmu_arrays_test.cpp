@@ -161,6 +161,19 @@ TEST(FmuArrays, HaveDirectionalDerivatives) {
   EXPECT_EQ(a.vary({tip + 1}, states, seed, found.data(), 1), fmi_error);
 }
 
+TEST(FmuArrays, HaveDirectionalDerivativesAtCommunicationPoints) {
+  const FmuLibrary arrays(fmu_of(arm(), Kind::co_simulation, true), "arrays_directions");
+  const auto ref = [&](const char* name) { return reference(arrays.fmu(), name); };
+  FmuInstance f(arrays);
+  f.start();
+  EXPECT_EQ(f.step(0, 0.02), fmi_ok);
+  std::vector<double> found(4, 7.0);
+  ASSERT_EQ(f.vary({ref("tip"), ref("shown")}, {ref("push")}, {2}, found.data(), 4), fmi_ok) << f.messages();
+  EXPECT_EQ(found, (std::vector<double>{0, 0, 0, 2 * 2 * 0.3}));
+  EXPECT_EQ(f.vary({ref("tip"), ref("shown")}, {ref("push")}, {2}, found.data(), 2), fmi_error);
+  EXPECT_EQ(f.vary({ref("tip") + 1}, {ref("push")}, {2}, found.data(), 1), fmi_error);
+}
+
 /// Random calls with wrong arguments, under the sanitizers.
 TEST(FmuArrays, StandHostileImporters) {
   const FmuCode fmu = fmu_of(arm(), Kind::co_simulation, true);
@@ -168,6 +181,13 @@ TEST(FmuArrays, StandHostileImporters) {
       printed_by_hostile(fmu, "hostile_importer", "-DINSTANCE_STEP=" + std::to_string(fmu.code.step));
   if (printed.empty()) GTEST_SKIP() << "the compiler has no sanitizers";
   expect_good_calls(printed, 10, {14, 15});
+}
+TEST(FmuArrays, StandHostileSolvers) {
+  const FmuCode fmu = fmu_of(arm(), Kind::model_exchange, true);
+  const std::string printed =
+      printed_by_hostile(fmu, "hostile_exchange", "-DSTATES=" + std::to_string(fmu.code.states.size()));
+  if (printed.empty()) GTEST_SKIP() << "the compiler has no sanitizers";
+  expect_good_calls(printed, 10, {});
 }
 
 }  // namespace
