@@ -11,8 +11,14 @@ namespace mimbre {
 /// states.
 using ModesAt = std::function<LinearisedModes(double)>;
 
+/// The same by a solver that is given.
+using ModesBy = std::function<LinearisedModes(double, ModesSolver)>;
+
 struct CampbellOptions {
-  std::string parameter;             ///< its name, for people
+  std::string parameter;  ///< its name, for people
+  /// So many of the lowest modes are followed; 0: all that there are. `modes` should then give some more
+  /// (with_neighbours()), among which those are found again that cross the highest ones.
+  int most = 0;
   double rad_per_second = 1;         ///< one unit of the parameter as a speed, rad/s; 0: it is no speed
   std::vector<double> orders = {1};  ///< of the speed, whose crossings are critical
   int most_evaluations = 20000;      ///< of the modes, with those between the values
@@ -53,5 +59,12 @@ struct CampbellDiagram {
 /// what `modes` throws.
 CampbellDiagram campbell(const ModesAt& modes, const std::vector<double>& values,
                          const CampbellOptions& options = {});
+
+/// How many modes to ask for where `most` are followed; 0: all.
+int with_neighbours(int most);
+
+/// One solver for all values from the first to the last, whose modes have vectors of one kind: `asked`, or,
+/// if that is automatic, `sparse` where it is what find_modes() chooses at both.
+ModesSolver one_solver(const ModesBy& modes, double first, double last, ModesSolver asked);
 
 }  // namespace mimbre

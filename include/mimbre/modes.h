@@ -60,7 +60,7 @@ struct Mode {
 /// How modes are computed.
 enum class ModesSolver {
   automatic,  ///< `sparse` where `most` modes of a mechanism at rest with 200 coordinates or more are asked
-              ///< for and it is possible; A and left vectors are then missing
+              ///< for and it is possible; A is then missing
   dense,      ///< all eigenvalues of A
   sparse      ///< the lowest modes of an equilibrium by shift and invert, with sparse matrices
 };
@@ -73,7 +73,7 @@ struct ModesOptions {
 
 struct LinearisedModes {
   /// Without C, D and outputs. The sparse solver leaves out matrices and states, too: there the `shape` of a
-  /// mode is its motion above λ times its motion, and its `left` vector is zero.
+  /// mode is its motion in natural coordinates above λ times that, and `left` belongs to it.
   LinearModel model;
   bool sparse = false;  ///< by the sparse solver
   std::vector<LinearName> coordinates;

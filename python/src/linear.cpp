@@ -87,9 +87,10 @@ CampbellDiagram diagram(const nb::callable& model_at, const std::vector<double>&
   options.parameter = parameter;
   options.rad_per_second = rad_per_second;
   options.orders = orders;
+  options.most = most;
   Attention attention;
   struct Stopped {};
-  const ModesAt modes = [&](double value) {
+  const ModesBy modes = [&](double value, ModesSolver solver) {
     std::shared_ptr<LoadedModel> loaded;
     attention.call([&] { loaded = nb::cast<std::shared_ptr<LoadedModel>>(model_at(value)); });
     if (!loaded || attention.stop()) throw Stopped();
@@ -97,13 +98,19 @@ CampbellDiagram diagram(const nb::callable& model_at, const std::vector<double>&
     if (!varied_input.empty()) given[varied_input] = value;
     ModesOptions here;
     here.linear = options_of(*loaded, method, at, time, given, delay_order);
-    here.most = most;
-    here.solver = ModesSolver::dense;  // left vectors too
+    here.most = with_neighbours(most);
+    here.solver = solver;
     return find_modes(loaded->model, here);
   };
   CampbellDiagram found;
   try {
-    found = computed([&] { return campbell(modes, values, options); });
+    found = computed([&] {
+      const ModesSolver solver =
+          most > 0 && values.size() > 1
+              ? one_solver(modes, values.front(), values.back(), ModesSolver::automatic)
+              : ModesSolver::dense;
+      return campbell([&](double value) { return modes(value, solver); }, values, options);
+    });
   } catch (const Stopped&) {
     attention.raise();
   }

@@ -523,7 +523,9 @@ ConstrainedModes lowest_modes(const ConstrainedPencil& given, int count) {
   const bool symmetric_pencil = is_symmetric(p.M) && is_symmetric(p.C) && is_symmetric(p.K);
   Found found;
   if (!find_all(op, sigma, count, symmetric_pencil ? &counter : nullptr, found)) return {};
-  return first_modes(p, found, sigma, count, symmetric_pencil);
+  ConstrainedModes modes = first_modes(p, found, sigma, count, symmetric_pencil);
+  modes.symmetric = symmetric_pencil;
+  return modes;
 }
 
 }  // namespace mimbre::linalg

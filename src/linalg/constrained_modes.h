@@ -15,6 +15,7 @@ struct ConstrainedModes {
   Eigen::VectorXcd values;   ///< λ with Im λ ≥ 0, ascending |λ|, zeros left out
   Eigen::MatrixXcd vectors;  ///< x as columns, of length one
   Eigen::MatrixXd rigid;     ///< orthonormal x with λ = 0
+  bool symmetric = false;    ///< M, C and K are, along the motions with J x = 0
   bool ok = false;
 };
 

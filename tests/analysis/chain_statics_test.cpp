@@ -155,5 +155,35 @@ TEST(Rods, StandUnstably) {
       << r.warnings[0];
 }
 
+/// A moment that rolls a strip of 16 rods and springs up into 32 turns: the direct search gives up on the
+/// way, and the moment is applied in steps. Every spring has the same moment, so that all angles are known.
+TEST(ChainStatics, LoadStepsRollAStripUp) {
+  constexpr int n = 16;
+  constexpr double moment = -200, l = 1.0 / n;
+  std::string text = "gravity: [0, 0, 0]\nbodies:\n", joints = "joints:\n", springs = "torsion_springs:\n";
+  for (int k = 0; k < n; ++k) {
+    text += fmt::format("  b{}: {{mass: 0.01, com: [{}, 0, 0], inertia: [1e-5, 1e-5, 1e-5]}}\n", k,
+                        (k + 0.5) * l);
+    joints += fmt::format("  j{}: {{type: revolute, between: [{}, b{}], at: [{}, 0, 0], axis: [0, 1, 0]}}\n",
+                          k, k == 0 ? "ground" : fmt::format("b{}", k - 1), k, k * l);
+    springs += fmt::format("  s{0}: {{coordinates: [{{joint: j{0}}}], stiffness: {1}}}\n", k, n);
+  }
+  const StaticResult r = static_equilibrium(
+      model_of(text + joints + springs +
+               fmt::format("loads:\n  end: {{on: b{0}, at: [1, 0, 0], moment: [0, {1}, 0], follower: true}}\n"
+                           "outputs:\n  - {{name: x, position: b{0}, component: x}}\n"
+                           "  - {{name: z, position: b{0}, component: z}}\n",
+                           n - 1, moment)));
+  EXPECT_GT(r.load_steps, 0);
+  double x = 0, z = 0;
+  for (int k = 0; k < n; ++k) {
+    const double angle = (k + 1) * moment * l, part = k < n - 1 ? l : 0.5 * l;
+    x += part * std::cos(angle);
+    z -= part * std::sin(angle);
+  }
+  EXPECT_NEAR(value_of(r, "x"), x, 1e-8);
+  EXPECT_NEAR(value_of(r, "z"), z, 1e-8);
+}
+
 }  // namespace
 }  // namespace mimbre::test::chain_statics_test

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "mimbre/campbell.h"
 #include "mimbre/modes.h"
 #include "support/models.h"
 
@@ -292,6 +293,73 @@ TEST(SparseModes, NamesWhatItCannotDo) {
   };
   EXPECT_THAT(message(3), testing::HasSubstr("force elements with states"));
   EXPECT_THAT(message(0), testing::HasSubstr("--most"));
+}
+
+/// Right and left vectors, whose products are those of modes of one pencil; not symmetric where a force
+/// follows the body that it acts on.
+TEST(SparseModes, HaveLeftVectors) {
+  for (const std::string& text :
+       {row(8, 0), row(8, 5), chain(30),
+        row(8, 0.5) + "loads:\n  f: {on: b3, at: [3, 0, 0.1], force: [900, 500, 0], follower: true}\n"}) {
+    const LinearisedModes found = modes_of(text, ModesSolver::sparse, 8);
+    for (const Mode& a : found.modes)
+      for (const Mode& b : found.modes) EXPECT_NEAR(std::abs(a.left.dot(b.shape)), &a == &b ? 1 : 0, 1e-7);
+  }
+}
+
+/// The lowest modes over a stiffness, of which some cross and leave the lowest ones: the same branches as by
+/// all modes of dense matrices, and each one analytic where that is known.
+TEST(SparseModes, AreFollowedOverAParameter) {
+  const auto by = [](double lateral, ModesSolver solver) {
+    // Two rows of bodies beside each other, of which one becomes stiffer.
+    std::string text = "gravity: [0, 0, 0]\nbodies:\n", joints = "joints:\n", springs = "bushings:\n";
+    for (int r = 0; r < 2; ++r)
+      for (int k = 0; k < 20; ++k) {
+        const std::string name = fmt::format("b{}_{}", r, k);
+        text += fmt::format("  {}: {{mass: 1, com: [{}, {}, 0], inertia: [0.02, 0.03, 0.04]}}\n", name, k, r);
+        joints += fmt::format(
+            "  j{0}: {{type: prismatic, between: [ground, {0}], at: [{1}, {2}, 0], axis: [1, 0, 0]}}\n", name,
+            k, r);
+        springs += fmt::format(
+            "  m{}: {{between: [{}, {}], at: [{}, {}, 0], stiffness: [{}, 1e3, 1e3, 9, 9, 9]}}\n", name,
+            k == 0 ? "ground" : fmt::format("b{}_{}", r, k - 1), name, k - 0.5, r, r == 0 ? 1000 : lateral);
+      }
+    return modes_of(text + joints + springs, solver, with_neighbours(4));
+  };
+  EXPECT_EQ(one_solver(by, 100, 4000, ModesSolver::automatic), ModesSolver::dense);  // it is small
+  CampbellOptions options;
+  options.parameter = "stiffness";
+  options.rad_per_second = 0;
+  options.most = 4;
+  const std::vector<double> values = {100, 400, 900, 1700, 3000, 4000};
+  const auto diagram = [&](ModesSolver solver) {
+    return campbell([&](double value) { return by(value, solver); }, values, options);
+  };
+  const CampbellDiagram sparse = diagram(ModesSolver::sparse), dense = diagram(ModesSolver::dense);
+  EXPECT_TRUE(sparse.warnings.empty());
+  ASSERT_EQ(sparse.branches.size(), dense.branches.size());
+  // Along 20 bodies that are fixed at one end: ω = 2 √(k/m) sin((2 i − 1) π/82).
+  int constant = 0, rising = 0;
+  for (const ModeBranch& branch : sparse.branches) {
+    bool fixed = false, rises = false;
+    for (int i = 1; i <= 8; ++i) {
+      const double c = 2 * std::sin((2 * i - 1) * std::numbers::pi / 82);
+      bool is_fixed = true, is_rising = true;
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        const double w = branch.values[k].imag();
+        if (std::isnan(w)) continue;
+        is_fixed = is_fixed && std::abs(w - c * std::sqrt(1000)) < 1e-7 * w;
+        is_rising = is_rising && std::abs(w - c * std::sqrt(values[k])) < 1e-7 * w;
+      }
+      fixed = fixed || is_fixed;
+      rises = rises || is_rising;
+    }
+    EXPECT_TRUE(fixed || rises) << branch.name;
+    constant += fixed ? 1 : 0;
+    rising += rises ? 1 : 0;
+  }
+  EXPECT_GE(constant, 3);
+  EXPECT_GE(rising, 3);
 }
 
 }  // namespace

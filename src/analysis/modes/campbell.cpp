@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <stdexcept>
 
 #include "math/once/general_eigen.h"
@@ -145,7 +144,10 @@ void align(std::vector<Mode>& modes, const std::vector<Mode>& to) {
 
 class Tracking {
  public:
-  Tracking(const ModesAt& modes, const CampbellOptions& options) : modes_(modes), options_(options) {}
+  Tracking(const ModesAt& modes, const CampbellOptions& options)
+      : modes_(modes),
+        options_(options),
+        most_(options.most > 0 ? static_cast<std::size_t>(options.most) : std::string::npos) {}
 
   CampbellDiagram run(const std::vector<double>& values) {
     out_.parameter = options_.parameter;
@@ -165,6 +167,7 @@ class Tracking {
       out_.branches[b].values.resize(values.size(), nowhere());
       out_.branches[b].whirl.resize(values.size(), 0);
     }
+    leave_out_neighbours();
     number_names();
     find_criticals();
     find_onsets();
@@ -189,7 +192,16 @@ class Tracking {
 
   int open(const Mode& mode) {
     out_.branches.push_back({mode.text, {}, {}});
+    followed_.push_back(false);
     return static_cast<int>(out_.branches.size()) - 1;
+  }
+
+  /// Branches that are nowhere among the lowest.
+  void leave_out_neighbours() {
+    std::size_t kept = 0;
+    for (std::size_t b = 0; b < out_.branches.size(); ++b)
+      if (followed_[b]) std::swap(out_.branches[kept++], out_.branches[b]);
+    out_.branches.resize(kept);
   }
 
   void record(std::size_t k, const Stand& at) {
@@ -200,44 +212,48 @@ class Tracking {
       b.values[k] = at.modes[i].seen();
       b.whirl[k] = at.modes[i].whirl;
       if (b.name.empty()) b.name = at.modes[i].text;
+      if (i < most_) followed_[static_cast<std::size_t>(at.branch[i])] = true;
     }
   }
 
-  /// Pairs of modes; −1: none. False where it is not sure.
-  static bool match(const Stand& a, const Stand& b, std::vector<int>& pair) {
+  /// Pairs of modes; −1: none. False where it is not sure for those that are followed.
+  bool match(const Stand& a, const Stand& b, std::vector<int>& pair) const {
     const auto n = static_cast<Eigen::Index>(a.modes.size()), m = static_cast<Eigen::Index>(b.modes.size());
     MatrixXd score(n, m);
     for (Eigen::Index i = 0; i < n; ++i)
       for (Eigen::Index j = 0; j < m; ++j)
         score(i, j) = alike(a.modes[static_cast<std::size_t>(i)], b.modes[static_cast<std::size_t>(j)]);
     pair.assign(static_cast<std::size_t>(m), -1);
-    bool good = n == m;
+    const auto followed = [this](Eigen::Index k) { return static_cast<std::size_t>(k) < most_; };
+    bool good = n == m || options_.most > 0;
+    std::size_t sure_of_a = 0, sure_of_b = 0;
     MatrixXd left = score;
     // The best pair first.
     for (Eigen::Index k = 0; k < std::min(n, m); ++k) {
       Eigen::Index i = 0, j = 0;
       const double best = left.maxCoeff(&i, &j);
-      if (best < 0.3) {
-        good = false;
-        break;
-      }
+      if (best < 0.3) break;
       double second = 0;
       for (Eigen::Index c = 0; c < m; ++c)
         if (c != j) second = std::max(second, score(i, c));
       for (Eigen::Index r = 0; r < n; ++r)
         if (r != i) second = std::max(second, score(r, j));
-      good = good && best >= sure && second <= other;
+      const bool is_sure = best >= sure && second <= other;
+      good = good && (is_sure || (!followed(i) && !followed(j)));
+      sure_of_a += is_sure && followed(i) ? 1 : 0;
+      sure_of_b += is_sure && followed(j) ? 1 : 0;
       pair[static_cast<std::size_t>(j)] = static_cast<int>(i);
       left.row(i).setConstant(-1);
       left.col(j).setConstant(-1);
     }
-    return good;
+    return good && sure_of_a == std::min(most_, a.modes.size()) &&
+           sure_of_b == std::min(most_, b.modes.size());
   }
 
-  /// Whether two oscillating modes exchange their order between the values.
-  static bool crosses(const Stand& a, const Stand& b, const std::vector<int>& pair) {
+  /// Whether two oscillating modes, one of which is followed, exchange their order between the values.
+  bool crosses(const Stand& a, const Stand& b, const std::vector<int>& pair) const {
     for (std::size_t i = 0; i < pair.size(); ++i)
-      for (std::size_t j = 0; j < i; ++j) {
+      for (std::size_t j = 0; j < std::min(i, most_); ++j) {
         if (pair[i] < 0 || pair[j] < 0) continue;
         const double before = a.modes[static_cast<std::size_t>(pair[i])].value.imag() -
                               a.modes[static_cast<std::size_t>(pair[j])].value.imag(),
@@ -365,6 +381,8 @@ class Tracking {
 
   const ModesAt& modes_;
   const CampbellOptions& options_;
+  const std::size_t most_;      ///< of the modes at one value, in their order
+  std::vector<bool> followed_;  ///< by branch: it is somewhere among them
   CampbellDiagram out_;
 };
 
@@ -378,6 +396,14 @@ CampbellDiagram campbell(const ModesAt& modes, const std::vector<double>& values
     throw std::invalid_argument(
         "campbell: two or more finite values, each larger than the one before, are needed");
   return Tracking(modes, options).run(values);
+}
+
+int with_neighbours(int most) { return most > 0 ? most + std::max(4, most / 5) : 0; }
+
+ModesSolver one_solver(const ModesBy& modes, double first, double last, ModesSolver asked) {
+  if (asked != ModesSolver::automatic) return asked;
+  const bool sparse = modes(first, asked).sparse && modes(last, asked).sparse;
+  return sparse ? ModesSolver::sparse : ModesSolver::dense;
 }
 
 }  // namespace mimbre

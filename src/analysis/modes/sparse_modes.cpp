@@ -8,11 +8,14 @@
 #include "analysis/modes/mode_shares.h"
 #include "analysis/modes/sparse_core.h"
 #include "integrate/sparse_statics.h"
+#include "math/once/decompositions.h"
+#include "math/once/general_eigen.h"
 #include "mimbre/diagnostics.h"
 #include "simulation/start/assembly.h"
 
 namespace mimbre::linear {
 
+using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
@@ -53,6 +56,29 @@ bool equal_values(const VectorXcd& values, Eigen::Index k) {
   return same(k - 1) || same(k + 1);
 }
 
+/// Rows wᴴ with wᴴ z = 1 of each mode's own z = (x, λ x) and 0 of the others', as columns w: those of the
+/// pencil of first order, wᵀ = (y, λ y)ᵀ [C M; M 0]. y is x where the matrices are symmetric, otherwise the
+/// vector of the transposed matrices.
+MatrixXcd left_vectors(const linalg::ConstrainedPencil& pencil, const linalg::ConstrainedModes& found) {
+  const Eigen::Index n = pencil.M.rows(), count = found.values.size();
+  linalg::ConstrainedModes transposed;
+  if (!found.symmetric)
+    transposed =
+        linalg::lowest_modes({pencil.M.transpose(), pencil.C.transpose(), pencil.K.transpose(), pencil.J},
+                             static_cast<int>(count + found.rigid.cols()));
+  const bool differ = transposed.ok && transposed.values.size() >= count;
+  const linalg::ConstrainedModes& by = differ ? transposed : found;
+  const VectorXcd lambda = by.values.head(count);
+  const MatrixXcd y = by.vectors.leftCols(count), My = pencil.M.transpose().cast<std::complex<double>>() * y,
+                  Cy = pencil.C.transpose().cast<std::complex<double>>() * y;
+  MatrixXcd rows(count, 2 * n), z(2 * n, count);
+  rows << (Cy + My * lambda.asDiagonal()).transpose(), My.transpose();
+  z << found.vectors, found.vectors * found.values.asDiagonal();
+  const MatrixXcd inverse = complex_inverse(rows * z);
+  if (!inverse.allFinite()) return MatrixXcd::Zero(2 * n, count);
+  return (inverse * rows).adjoint();
+}
+
 /// The motions found, in relative coordinates, with names and shares of energy.
 LinearisedModes described(const Linearised& located, const State& relative, const SparseEquations& equations,
                           const linalg::ConstrainedModes& found, const relative::RelativeSystem& observer,
@@ -70,13 +96,15 @@ LinearisedModes described(const Linearised& located, const State& relative, cons
   at.state = relative;
   ModeShares shares(at);
   const VectorXd scale = Eigen::Map<const VectorXd>(observer.scales().coordinates.data(), m.velocities);
-  /// `stiffness`: that of the motion before it is normalised.
-  const auto add = [&](Mode mode, const VectorXcd& motion, double stiffness, bool mixed) {
-    mode.motion = motion;
+  /// `x`: the motion along the scales, with its left vector; `stiffness`: that of it.
+  const auto add = [&](Mode mode, const VectorXcd& x, const VectorXcd& left, double stiffness, bool mixed) {
+    const VectorXcd natural = equations.scale.cast<std::complex<double>>().cwiseProduct(x);
+    mode.motion = motions.of(natural);
     const std::complex<double> factor = normalise(mode.motion, mode.motion.size(), scale);
-    mode.shape.resize(2 * mode.motion.size());
-    mode.shape << mode.motion, mode.value * mode.motion;
-    mode.left = VectorXcd::Zero(mode.shape.size());
+    mode.shape.resize(2 * natural.size());
+    mode.shape << factor * natural, factor * mode.value * natural;
+    mode.left =
+        left.cwiseQuotient(std::conj(factor) * equations.scale.replicate(2, 1).cast<std::complex<double>>());
     shares.describe_motion(mode, 0.5 * std::norm(factor) * stiffness, mixed);
     out.modes.push_back(std::move(mode));
   };
@@ -84,17 +112,18 @@ LinearisedModes described(const Linearised& located, const State& relative, cons
   for (Eigen::Index k = 0; k < rigid.cols(); ++k)
     rigid.col(k) =
         motions.of(VectorXd(equations.scale.cwiseProduct(found.rigid.col(k)))).cwiseQuotient(scale);
-  rigid = scale.asDiagonal() * echelon(rigid);
+  // Simple ones of the motions found.
+  const MatrixXd simple = found.rigid * least_squares(rigid, echelon(rigid));
+  const VectorXcd none = VectorXcd::Zero(2 * equations.scale.size());
   for (Eigen::Index k = 0; k < rigid.cols(); ++k) {
     Mode mode;
     mode.kind = Mode::Kind::rigid;
-    add(std::move(mode), rigid.col(k).cast<std::complex<double>>(), 0, rigid.cols() > 1);
+    add(std::move(mode), simple.col(k).cast<std::complex<double>>(), none, 0, rigid.cols() > 1);
   }
+  const MatrixXcd left = left_vectors(equations.pencil, found);
   for (Eigen::Index k = 0; k < found.values.size(); ++k) {
     const VectorXcd x = found.vectors.col(k), stiff = equations.pencil.K.cast<std::complex<double>>() * x;
-    add(mode_of(found.values[k], 0),
-        motions.of(VectorXcd(equations.scale.cast<std::complex<double>>().cwiseProduct(x))),
-        std::real(x.dot(stiff)), equal_values(found.values, k));
+    add(mode_of(found.values[k], 0), x, left.col(k), std::real(x.dot(stiff)), equal_values(found.values, k));
   }
   return out;
 }

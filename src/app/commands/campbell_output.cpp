@@ -108,13 +108,13 @@ int run_campbell(const std::string& path, const std::vector<std::string>& settin
   const LoadedModel loaded = load(path, settings, json);
   ModesOptions options;
   options.linear = linear_options(point, loaded.model->spec().simulation);
-  options.most = over.most;
-  options.solver = ModesSolver::dense;  // left vectors too
+  options.most = with_neighbours(over.most);
   bool is_input = false;
   for (const spec::Input& input : loaded.model->spec().inputs)
     is_input = is_input || input.name == range.name;
-  const ModesAt at = [&](double value) {
+  const ModesBy by = [&](double value, ModesSolver solver) {
     ModesOptions here = options;
+    here.solver = solver;
     if (is_input) {
       here.linear.run.inputs[range.name] = value;
       return find_modes(loaded.model, here);
@@ -125,6 +125,7 @@ int run_campbell(const std::string& path, const std::vector<std::string>& settin
   };
   CampbellOptions diagram;
   diagram.parameter = range.name;
+  diagram.most = over.most;
   diagram.rad_per_second = over.speed == "rpm"  ? std::numbers::pi / 30
                            : over.speed == "Hz" ? 2 * std::numbers::pi
                            : over.speed.empty() ? 0
@@ -133,7 +134,10 @@ int run_campbell(const std::string& path, const std::vector<std::string>& settin
   {
     const Busy busy("following the modes", !json);
     try {
-      found = campbell(at, range.values, diagram);
+      const bool few = over.most > 0 || over.solver != ModesSolver::automatic;
+      const ModesSolver solver =
+          few ? one_solver(by, range.values.front(), range.values.back(), over.solver) : ModesSolver::dense;
+      found = campbell([&](double value) { return by(value, solver); }, range.values, diagram);
     } catch (const InputError&) {
       throw;
     } catch (const std::runtime_error& error) {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "app/commands/point_options.h"
+#include "mimbre/modes.h"
 
 /// mimbre modes --over: modes over a parameter.
 namespace mimbre::app {
@@ -11,6 +12,7 @@ struct CampbellArguments {
   std::string over;   ///< "NAME=FROM:TO:COUNT"
   std::string speed;  ///< unit of the parameter as a speed: rad/s, rpm, Hz; empty: it is none
   int most = 0;
+  ModesSolver solver = ModesSolver::automatic;
 };
 
 /// Returns the exit code.

@@ -99,9 +99,13 @@ std::string to_table(const LinearisedModes& found) {
 }
 
 int run_modes(const ModesArguments& a) {
+  const ModesSolver solver = a.solver == "dense"    ? ModesSolver::dense
+                             : a.solver == "sparse" ? ModesSolver::sparse
+                                                    : ModesSolver::automatic;
   if (!a.campbell.over.empty()) {
     CampbellArguments over = a.campbell;
     over.most = a.most;
+    over.solver = solver;
     return run_campbell(a.model, a.settings, over, a.point, a.json, a.strict);
   }
   if (!a.campbell.speed.empty()) throw UsageError("--speed: is a unit of the parameter that --over names");
@@ -109,8 +113,7 @@ int run_modes(const ModesArguments& a) {
   ModesOptions options;
   options.linear = linear_options(a.point, loaded.model->spec().simulation);
   options.most = a.most;
-  if (a.solver == "dense") options.solver = ModesSolver::dense;
-  if (a.solver == "sparse") options.solver = ModesSolver::sparse;
+  options.solver = solver;
   LinearisedModes found;
   {
     const Busy busy("looking for the modes", !a.json);
