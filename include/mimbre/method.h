@@ -27,7 +27,8 @@ struct Simulation {
     baumgarte,         ///< the same, stabilised
     penalty,           ///< stabilised constraints by penalty alone
     index1_augmented,  ///< penalty with iterated multipliers
-    independent        ///< independent coordinates by a second velocity transformation
+    independent,       ///< independent coordinates by a second velocity transformation
+    global_modes       ///< loops by tables: a joint coordinate and modes of the whole loop
   } formalism = Formalism::index3;
   enum class Integrator {
     generalized_alpha,

@@ -25,6 +25,7 @@ struct StepReport : Violations {
     singular,
     drifted,
     unstable,
+    beyond_table,  ///< of a loop by formalism global_modes
     block_failed
   } code = Code::ok;
   int iterations = 0;

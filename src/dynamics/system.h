@@ -2,6 +2,7 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/coordinate_kinds.h"
 #include "dynamics/scales.h"
 #include "dynamics/state_transfer.h"
 #include "linalg/block_sparse.h"
@@ -109,6 +110,9 @@ class System {
   /// Velocity coordinates that nothing else depends on and that the matrix couples with nothing: modes of
   /// bodies by linear elastodynamics, which all of the motion drives.
   virtual std::span<const int> driven_coordinates() const { return {}; }
+  /// What the coordinates are, for formalisms that make tables of them; none: they are of another kind. It
+  /// allocates, so not in a step.
+  virtual CoordinateKinds coordinate_kinds() const { return {}; }
 
   /// Whether forces go by accelerations: loads of inertia that stiffen bodies.
   virtual bool has_loads_of_inertia() const = 0;

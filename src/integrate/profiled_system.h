@@ -88,6 +88,7 @@ class ProfiledSystem final : public System {
     system_.increment_rate(x, v, rate);
   }
   void compose(double* x, const double* d) const override { system_.compose(x, d); }
+  CoordinateKinds coordinate_kinds() const override { return system_.coordinate_kinds(); }
   std::span<const int> driven_coordinates() const override { return system_.driven_coordinates(); }
   bool has_loads_of_inertia() const override { return system_.has_loads_of_inertia(); }
   void add_loads_of_inertia(const double* q, const double* a, double* r) override {

@@ -1,6 +1,7 @@
 #include "integrate/stepper.h"
 
 #include "integrate/explicit/explicit.h"
+#include "integrate/global_modes/global_modes.h"
 #include "integrate/independent.h"
 #include "integrate/index3.h"
 #include "integrate/lagrange.h"
@@ -28,6 +29,8 @@ std::unique_ptr<Stepper> make_stepper(System& system, spec::Simulation::Formalis
       return std::make_unique<PenaltyStepper>(system, options, true);
     case Formalism::independent:
       return std::make_unique<IndependentStepper>(system, options);
+    case Formalism::global_modes:
+      return std::make_unique<GlobalModesStepper>(system, options);
   }
   return std::make_unique<IndexThree>(system, options);
 }

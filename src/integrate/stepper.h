@@ -40,8 +40,9 @@ struct IntegratorOptions {
 };
 
 /// drifted: the loops have come apart by more than the formalism should be trusted with. unstable: the step
-/// is too long for an explicit rule, which vibrations faster than that would blow up.
-enum class StepCode { ok, not_converged, not_finite, singular, drifted, unstable };
+/// is too long for an explicit rule, which vibrations faster than that would blow up. beyond_table: a loop
+/// leaves the table that its motion comes from.
+enum class StepCode { ok, not_converged, not_finite, singular, drifted, unstable, beyond_table };
 
 struct StepStatus : Violations {
   StepCode code = StepCode::ok;
@@ -59,6 +60,9 @@ struct StepStatus : Violations {
 class Stepper {
  public:
   virtual ~Stepper() = default;
+  /// Before the first step, at the state that it begins with: makes what the formalism needs beforehand. It
+  /// may allocate and throw. True: the system has been evaluated elsewhere. Later calls do nothing.
+  virtual bool prepare(const State&) { return false; }
   /// One step of options().step. On failure the state is unchanged. Throws nothing, makes a bounded number of
   /// iterations, and gives the same bits for the same state, system (its tangent marks) and memory (transfer,
   /// transfer_matrix). The system's last evaluation is then of the new positions and velocities.

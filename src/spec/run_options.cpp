@@ -61,7 +61,8 @@ constexpr RunOption table[] = {
              "baumgarte: the same, stabilised\n"
              "penalty: penalty alone\n"
              "index1_augmented: penalty with iterated multipliers\n"
-             "independent: independent coordinates",
+             "independent: independent coordinates\n"
+             "global_modes: loops by tables over one coordinate and by modes of the loop",
      .in_headline = true},
     {.key = "integrator",
      .member = OptionMember<S::Integrator>{&S::integrator, &RunOptions::integrator},

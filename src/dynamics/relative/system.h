@@ -57,6 +57,7 @@ class RelativeSystem final : public System {
   void increment_rate(const double* x, const double* v, double* rate) const override;
   void compose(double* x, const double* d) const override;
   std::span<const int> driven_coordinates() const override { return driven_; }
+  CoordinateKinds coordinate_kinds() const override;
   bool has_loads_of_inertia() const override;
   void add_loads_of_inertia(const double* q, const double* a, double* r) override;
 

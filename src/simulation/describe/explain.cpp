@@ -226,6 +226,12 @@ std::string explain(const Mechanism& mechanism, const StepReport& r, double t, c
           t, equation_name(model, natural, r.equation), violation_of(mechanism, r));
     case StepReport::Code::unstable:
       return explain_unstable(mechanism, r, t, stable);
+    case StepReport::Code::beyond_table:
+      return fmt::format(
+          "the step to t = {:.6g} s leaves the table of {}: its loop comes to a position where it could go "
+          "on "
+          "in another way; use the formalism `index3`",
+          t, where);
     case StepReport::Code::singular:
       if (r.equation >= 0)
         return fmt::format(

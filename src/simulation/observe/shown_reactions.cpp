@@ -4,6 +4,7 @@ namespace mimbre {
 
 ShownReactions::ShownReactions(const Mechanism& mechanism, const Method& method, bool redundant)
     : step_(method.step),
+      has_multipliers_(method.formalism != spec::Simulation::Formalism::global_modes),
       reactions_(mechanism.observer),
       reader_(!mechanism.natural && mechanism.model.equations > 0
                   ? std::make_unique<relative::RelativeSystem>(mechanism.model, method.inertia)
@@ -30,7 +31,7 @@ relative::RelativeSystem& ShownReactions::find(Mechanism& mechanism) {
   }
   reader_->enter(mechanism.state.u.data(), mechanism.state.z.data(), 0);
   reader_->begin_step(state_.q.data());
-  if (!reactions_.find(*reader_, state_) || reactions_.determined()) {
+  if (!reactions_.find(*reader_, state_) || (reactions_.determined() && has_multipliers_)) {
     state_.multipliers = mechanism.state.multipliers;
     evaluate(*reader_);
   }

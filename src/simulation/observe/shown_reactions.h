@@ -30,6 +30,7 @@ class ShownReactions {
 
  private:
   const double step_;
+  const bool has_multipliers_;  ///< the integrator
   Reactions reactions_;
   std::unique_ptr<relative::RelativeSystem> reader_;  ///< of loops in relative coordinates
   State state_;

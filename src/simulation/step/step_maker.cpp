@@ -1,12 +1,17 @@
 #include "simulation/step/step_maker.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "dynamics/geometric.h"
+#include "integrate/global_modes/loops.h"
 #include "math/elementary.h"
+#include "mimbre/diagnostics.h"
 #include "mimbre/method_names.h"
+#include "simulation/describe/names.h"
 
 namespace mimbre {
 namespace {
@@ -105,8 +110,24 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
   }
 }
 
+/// Makes what the formalism needs beforehand.
+void StepMaker::prepare() {
+  mechanism_.enter(0);
+  try {
+    if (integrator_->prepare(mechanism_.state)) mechanism_.observe_afresh();
+  } catch (const global_modes::NoGlobalModes& no) {
+    const std::string who =
+        no.equation >= 0     ? equation_name(mechanism_.model, mechanism_.natural.get(), no.equation)
+        : no.coordinate >= 0 ? coordinate_name(mechanism_.model, mechanism_.natural.get(), no.coordinate)
+                             : "the model";
+    throw InputError(Mark{mechanism_.model.spec().file, 0, 0},
+                     fmt::format("formalism global_modes: {}: {}", who, no.what()));
+  }
+}
+
 void StepMaker::start() {
   under_way_ = false;
+  prepare();
   if (method_.energies) meter_.start(mechanism_.observer, mechanism_.view());
   std::fill(log_.begin(), log_.end(), ContactTrouble());
   if (!contacts_.none() && method_.energies) {  // these have evaluated the forces

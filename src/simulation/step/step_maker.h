@@ -63,6 +63,7 @@ class StepMaker {
     std::vector<double> memory;  ///< of the integrator
   };
 
+  void prepare();
   void begin_anew();
   void advance(StepReport& report);
   void book_beginning();

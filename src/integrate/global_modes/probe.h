@@ -1,0 +1,34 @@
+#pragma once
+#include <Eigen/Core>
+
+#include "dynamics/state.h"
+#include "dynamics/system.h"
+
+namespace mimbre::global_modes {
+
+/// A system at other positions, all dense; before steps, since it allocates.
+class Probe {
+ public:
+  Probe(System& system, double time);
+
+  System& system() { return system_; }
+  /// Φ by the scales of the equations.
+  Eigen::VectorXd violations(const Eigen::VectorXd& q);
+  /// M, and the Jacobian with rows by the scales of the equations.
+  void evaluate(const Eigen::VectorXd& q);
+  const Eigen::MatrixXd& mass() const { return mass_; }
+  const Eigen::MatrixXd& jacobian() const { return jacobian_; }
+  /// r at a motion, without multipliers.
+  Eigen::VectorXd residual(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a);
+  /// q moved by x (velocities × 1).
+  Eigen::VectorXd moved(const Eigen::VectorXd& q, const Eigen::VectorXd& x);
+  const Eigen::VectorXd& scale() const { return scale_; }  ///< of the coordinates
+
+ private:
+  System& system_;
+  const double time_;
+  Eigen::VectorXd none_, multipliers_, r_, scale_, equation_scale_;
+  Eigen::MatrixXd mass_, jacobian_;
+};
+
+}  // namespace mimbre::global_modes
