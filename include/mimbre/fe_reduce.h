@@ -18,8 +18,8 @@ struct Interface {
     rigid,  ///< the nodes move as one rigid body with the point (RBE2)
     mean    ///< the point moves as the nodes do in the mean, equal weights (RBE3): nothing is stiffened
   };
-  /// Which modes a motion of the point has. All but the first: of the Craig–Bampton basis only, and not of
-  /// the interface that a tangent frame moves with.
+  /// Which modes a motion of the point has. All but the first: of the bases craig_bampton, attachment and
+  /// modal_truncation only, and not of the interface that a tangent frame moves with.
   enum class Motion {
     retained,  ///< a static mode
     free,      ///< none: a joint leaves it free, so no force acts that way, and dynamic modes have it
@@ -66,7 +66,13 @@ struct ModelReduction {
   enum class Basis {
     craig_bampton,   ///< static modes and the lowest modes with all interfaces held
     free_interface,  ///< the lowest modes of the free body and residual modes of forces (MacNeal; Rubin)
-    krylov           ///< static modes and moments of the response to forces at the interfaces
+    krylov,          ///< static modes and moments of the response to forces at the interfaces
+    /// The lowest modes of the body as its frame holds it, at the first interface (mean axes: of the free
+    /// body), and attachment modes: static deflections by forces at the other interfaces (Hurty; Craig).
+    attachment,
+    /// These, and the static deflections by the inertia of accelerations of the body: modal truncation
+    /// augmentation (Dickens, Nakagawa, Wittbrodt 1997) for forces at the interfaces, inertia and `loads`.
+    modal_truncation
   };
   std::vector<Interface> interfaces;  ///< at least one
   Basis basis = Basis::craig_bampton;
@@ -105,10 +111,10 @@ struct ReductionResult {
 };
 
 /// Reduction of free matrices to a basis, Craig–Bampton's (Craig, Bampton 1968; Lugrís 2008, 2.7–2.9) or
-/// another (Rubin 1975; Craig, Hale 1988), shape integrals, modes made orthogonal. All bases have the exact
-/// static compliance between the interfaces.
-/// Throws std::invalid_argument for: interfaces without hold, nodes in two of them,
-/// matrices that are not those of a free elastic body, options that do not go together.
+/// another (Rubin 1975; Craig, Hale 1988; Dickens et al. 1997), shape integrals, modes made orthogonal. All
+/// bases have the exact static compliance between the interfaces. Throws std::invalid_argument for:
+/// interfaces without hold, nodes in two of them, matrices that are not those of a free elastic body, options
+/// that do not go together.
 ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& matrices, const ModelReduction& options);
 
 /// What matrices must be, whatever body they come from: sizes, finite, definite mass, six rigid motions

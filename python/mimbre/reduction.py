@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Floats = npt.NDArray[np.float64]
 
 _motions = ("x", "y", "z", "rx", "ry", "rz")
-_bases = ("craig_bampton", "free_interface", "krylov")
+_bases = ("craig_bampton", "free_interface", "krylov", "attachment", "modal_truncation")
 _frames = ("tangent", "centre_of_mass", "mean_axis")
 _units = {"SI": (1.0, 1.0, 1.0), "mm": (1e-3, 1e3, 1.0), "in": (0.0254, 175.126835, 1.0)}
 
@@ -212,7 +212,7 @@ def reduce(
     units: Literal["SI", "mm", "in"] = "SI",
     name: str | None = None,
     modes: int = 10,
-    basis: Literal["craig_bampton", "free_interface", "krylov"] = "craig_bampton",
+    basis: Literal["craig_bampton", "free_interface", "krylov", "attachment", "modal_truncation"] = "craig_bampton",
     frame: Literal["tangent", "centre_of_mass", "mean_axis"] = "tangent",
     max_frequency: float = 0.0,
     krylov_frequency: float = 0.0,
@@ -245,7 +245,7 @@ def reduce(
         units: of the file: "SI", "mm" (mm, N, t) or "in" (in, lbf).
         name: of the body; default: the file's.
         modes: how many dynamic modes, 0 to 1000.
-        basis: "craig_bampton", "free_interface" or "krylov".
+        basis: "craig_bampton", "free_interface", "krylov", "attachment" or "modal_truncation".
         frame: what the body's frame moves with: "tangent" (the first interface), "centre_of_mass" or "mean_axis".
         max_frequency: all dynamic modes up to this, Hz, in place of `modes`.
         krylov_frequency: about which the Krylov basis matches the response, Hz.

@@ -17,6 +17,7 @@
 #include "fe/surface.h"
 #include "math/once/decompositions.h"
 #include "mimbre/fe_reduce.h"
+#include "reduction/bases/attachment.h"
 #include "reduction/bases/effective_mass.h"
 #include "reduction/bases/free_interface.h"
 #include "reduction/bases/independent_shapes.h"
@@ -213,6 +214,17 @@ void add_free_modes(const FeMatrices& matrices, const ModelReduction& options, c
                    trust, rows)});
 }
 
+bool attached(const ModelReduction& o) {
+  return o.basis == ModelReduction::Basis::attachment || o.basis == ModelReduction::Basis::modal_truncation;
+}
+
+/// Whether eigenmodes are those of the free body: where the frame holds no interface, its attachment modes
+/// are by inertia relief.
+bool floats(const ModelReduction& o) {
+  return o.basis == ModelReduction::Basis::free_interface ||
+         (attached(o) && o.frame == ModelReduction::Frame::mean_axis);
+}
+
 void require_motions(const ModelReduction& o) {
   using Motion = Interface::Motion;
   const bool tangent = o.frame != ModelReduction::Frame::mean_axis;
@@ -220,9 +232,10 @@ void require_motions(const ModelReduction& o) {
     for (const Motion motion : o.interfaces[i].motions) {
       if (motion == Motion::retained) continue;
       const std::string& name = o.interfaces[i].name;
-      if (o.basis != ModelReduction::Basis::craig_bampton || o.user_modes.shapes.cols() > 0)
+      if (o.basis == ModelReduction::Basis::krylov || floats(o) || o.user_modes.shapes.cols() > 0)
         throw std::invalid_argument(fmt::format(
-            "interface '{}': motions are free or held in the Craig-Bampton basis without user modes only",
+            "interface '{}': motions are free or held in the Craig-Bampton basis and, in the tangent "
+            "frame, in attachment and modal_truncation, without user modes only",
             name));
       if (tangent && i == 0)
         throw std::invalid_argument(
@@ -251,12 +264,11 @@ void require(const ModelReduction& o) {
     throw std::invalid_argument("the frequency to match about belongs to the Krylov basis");
   if (o.basis != Basis::craig_bampton && o.effective_mass > 0)
     throw std::invalid_argument("effective masses are those of the Craig-Bampton basis");
-  if (o.basis != Basis::free_interface && o.frame != ModelReduction::Frame::mean_axis &&
-      o.interfaces.size() == 1 && o.dynamic_modes == 0 && o.max_frequency == 0 && o.loads.empty() &&
-      o.user_modes.shapes.cols() == 0)
+  if (o.basis != Basis::free_interface && o.basis != Basis::modal_truncation &&
+      o.frame != ModelReduction::Frame::mean_axis && o.interfaces.size() == 1 && o.dynamic_modes == 0 &&
+      o.max_frequency == 0 && o.loads.empty() && o.user_modes.shapes.cols() == 0)
     throw std::invalid_argument("one interface and no dynamic modes leave nothing that could deform");
-  if (o.geometric_stiffness &&
-      (o.frame != ModelReduction::Frame::tangent || o.basis == Basis::free_interface))
+  if (o.geometric_stiffness && (o.frame != ModelReduction::Frame::tangent || floats(o)))
     throw std::invalid_argument("geometric stiffness needs the tangent frame and a basis with static modes");
   require_motions(o);
   for (std::size_t i = 0; i < o.interfaces.size(); ++i)
@@ -331,6 +343,24 @@ void add_asked(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRed
   shapes = join(shapes, added);
 }
 
+/// Of eigenmodes without their static parts those that are independent, and the deflections by inertia that
+/// modal truncation augmentation adds.
+Shapes add_truncated(const FeMatrices& matrices, const ModelReduction& options, const MatrixXd& R,
+                     const TiedModel& tied, Shapes eigenmodes) {
+  std::vector<double> fresh;
+  const Shapes none{MatrixXd(eigenmodes.dofs.rows(), 0), MatrixXd(eigenmodes.points.rows(), 0), {}};
+  if (options.basis == ModelReduction::Basis::modal_truncation)
+    eigenmodes = join(eigenmodes,
+                      held_shapes(tied, options.interfaces, inertia_responses(tied, matrices, R), "inertia"));
+  return independent_shapes(matrices, none, std::move(eigenmodes), fresh);
+}
+
+/// For the sum of the modes: what those beside the static ones are.
+std::string attached_text(const ModelReduction& options, Index eigenmodes) {
+  if (options.basis == ModelReduction::Basis::attachment) return "with the first interface held";
+  return fmt::format("of inertia and {} with the first interface held", eigenmodes);
+}
+
 /// For the sum of the modes.
 std::string freed_and_held(const std::vector<Interface>& interfaces) {
   int freed = 0, held = 0;
@@ -341,6 +371,29 @@ std::string freed_and_held(const std::vector<Interface>& interfaces) {
     }
   return (freed > 0 ? fmt::format(" − {} free", freed) : "") +
          (held > 0 ? fmt::format(" − {} held", held) : "");
+}
+
+/// Modes of the free body, and residual ones of forces; a typical ω² comes with them.
+Shapes free_basis(const SolidMesh& mesh, const FeMatrices& matrices, const ModelReduction& options,
+                  const TiedModel& tied, const MatrixXd& R, const std::function<void(double)>& progress,
+                  double& scale, ReducedBody& body) {
+  VectorXd eigenvalues;
+  Shapes shapes =
+      free_interface_shapes(tied, matrices, options.interfaces, R, options.dynamic_modes,
+                            std::pow(options.max_frequency / kHertz, 2), load_forces(matrices, options.loads),
+                            load_names(options.loads), eigenvalues, progress);
+  if (eigenvalues.size() > 0) scale = eigenvalues[0];
+  const Index forces = shapes.dofs.cols() - eigenvalues.size();
+  add_asked(mesh, matrices, options, R, tied, false, shapes, shapes, body);
+  const Index user = shapes.dofs.cols() - eigenvalues.size() - forces;
+  if (options.frame != ModelReduction::Frame::mean_axis) to_tangent(options.interfaces, R, shapes);
+  body.checks.push_back(
+      {"number of modes", true,
+       fmt::format("{} = {} free + {} of forces at {} interface{}{}", shapes.dofs.cols(), eigenvalues.size(),
+                   forces, options.interfaces.size(), options.interfaces.size() == 1 ? "" : "s",
+                   (options.loads.empty() ? "" : fmt::format(" and {} loads", options.loads.size())) +
+                       (user > 0 ? fmt::format(" + {} of the user", user) : ""))});
+  return shapes;
 }
 
 /// The basis in the body's frame; a typical ω² comes with it.
@@ -359,28 +412,20 @@ Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRe
   report("dynamic modes", 0);
   const auto progress = [&](double done) { report("dynamic modes", done); };
   Shapes shapes;
-  if (options.basis == Basis::free_interface) {
-    VectorXd eigenvalues;
-    shapes = free_interface_shapes(tied, matrices, options.interfaces, R, options.dynamic_modes,
-                                   square(options.max_frequency), load_forces(matrices, options.loads),
-                                   load_names(options.loads), eigenvalues, progress);
-    if (eigenvalues.size() > 0) scale = eigenvalues[0];
-    const Index forces = shapes.dofs.cols() - eigenvalues.size();
-    add_asked(mesh, matrices, options, R, tied, false, shapes, shapes, result.body);
-    const Index user = shapes.dofs.cols() - eigenvalues.size() - forces;
-    if (tangent) to_tangent(options.interfaces, R, shapes);
+  if (floats(options)) {
+    shapes = free_basis(mesh, matrices, options, tied, R, progress, scale, result.body);
     centred(shapes);
-    result.body.checks.push_back(
-        {"number of modes", true,
-         fmt::format("{} = {} free + {} of forces at {} interface{}{}", shapes.dofs.cols(),
-                     eigenvalues.size(), forces, options.interfaces.size(),
-                     options.interfaces.size() == 1 ? "" : "s",
-                     (options.loads.empty() ? "" : fmt::format(" and {} loads", options.loads.size())) +
-                         (user > 0 ? fmt::format(" + {} of the user", user) : ""))});
     return shapes;
   }
   MatrixXd x;
-  if (options.basis == Basis::krylov) {
+  Index eigenmodes = 0;
+  if (attached(options)) {
+    VectorXd eigenvalues;
+    x = attached_eigenmodes(tied, matrices, options.interfaces, options.dynamic_modes,
+                            square(options.max_frequency), eigenvalues, progress);
+    if (eigenvalues.size() > 0) scale = eigenvalues[0];
+    eigenmodes = x.cols();
+  } else if (options.basis == Basis::krylov) {
     x = krylov_vectors(mesh, tied, matrices, options.interfaces, square(options.krylov_frequency),
                        options.dynamic_modes);
   } else {
@@ -394,9 +439,11 @@ Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRe
   report("static modes", 0);
   shapes = static_shapes(tied, matrices, options.interfaces, tangent ? 1 : 0);
   const bool krylov = options.basis == Basis::krylov;
-  const Shapes held = held_shapes(tied, options.interfaces, x, krylov ? "krylov" : "dynamic");
+  const char* kind = krylov ? "krylov" : attached(options) ? "eigenmode" : "dynamic";
+  Shapes held = held_shapes(tied, options.interfaces, x, kind);
+  if (attached(options)) held = add_truncated(matrices, options, R, tied, std::move(held));
   shapes = join(shapes, held);
-  if (!krylov) {
+  if (options.basis == Basis::craig_bampton) {
     result.effective_mass = effective_mass(matrices, options.interfaces[0], R, held.dofs);
     if (options.effective_mass > 0) keep_effective(matrices, options, R, shapes, result);
   }
@@ -417,7 +464,9 @@ Shapes basis_of(const SolidMesh& mesh, const FeMatrices& matrices, const ModelRe
        fmt::format("{} = {} motions of {} interface{} − 6 of the body{} + {} {}{}",
                    shapes.dofs.cols() - (tangent ? 0 : 6), tied.boundaries(), interfaces,
                    interfaces == 1 ? "" : "s", freed_and_held(options.interfaces), chosen - statics,
-                   krylov ? "Krylov" : "dynamic",
+                   krylov              ? "Krylov"
+                   : attached(options) ? attached_text(options, eigenmodes)
+                                       : "dynamic",
                    asked > 0 ? fmt::format(" + {} of loads and the user", asked) : "")});
   if (!tangent) to_mean_axes(matrices, options.interfaces, R, shapes);
   centred(shapes);

@@ -117,9 +117,8 @@ MatrixXcd response(const ReducedBody& b, double hertz, double damping = loss) {
 double first_free_frequency(const Full& f) { return std::sqrt(symmetric_eigenvalues(f.K, f.M)[6]) / two_pi; }
 
 const char* name(Basis basis) {
-  return basis == Basis::krylov          ? "krylov"
-         : basis == Basis::craig_bampton ? "craig_bampton"
-                                         : "free_interface";
+  constexpr std::array names{"craig_bampton", "free_interface", "krylov", "attachment", "modal_truncation"};
+  return names[static_cast<std::size_t>(basis)];
 }
 
 /// Largest error of the tip's motion by forces at the tip, relative, over frequencies up to 1.5 times the
@@ -150,7 +149,8 @@ TEST(ModelBases, ConvergeToTheFullModelsResponse) {
   Part p = arm();
   const TipResponse tip(full_model(p));
   std::map<Basis, int> enough;
-  for (const Basis basis : {Basis::craig_bampton, Basis::free_interface, Basis::krylov}) {
+  for (const Basis basis : {Basis::craig_bampton, Basis::free_interface, Basis::krylov, Basis::attachment,
+                            Basis::modal_truncation}) {
     p.options.basis = basis;
     std::string table = fmt::format("{:15}", name(basis));
     double last = 0;
@@ -162,10 +162,14 @@ TEST(ModelBases, ConvergeToTheFullModelsResponse) {
       if (last < 0.01 && !enough.contains(basis)) enough[basis] = body.modes;
     }
     std::cout << table << '\n';
-    EXPECT_LT(last, basis == Basis::craig_bampton ? 2e-3 : 1e-6) << name(basis);
+    EXPECT_LT(last, basis == Basis::craig_bampton ? 2e-3
+                    : basis == Basis::attachment  ? 5e-3
+                                                  : 1e-6)
+        << name(basis);
     ASSERT_TRUE(enough.contains(basis)) << name(basis);
   }
   EXPECT_LE(enough[Basis::krylov], enough[Basis::craig_bampton]);
+  EXPECT_LE(enough[Basis::modal_truncation], enough[Basis::attachment]);
 }
 
 /// What every basis has without any dynamic mode's help.
@@ -178,7 +182,8 @@ TEST(ModelBases, HaveTheSameMassAndStaticCompliance) {
     P << b.frames[1].X, b.frames[1].X_theta;
     return MatrixXd(P * PivotedCholesky(b.stiffness).solve(P.transpose()));
   };
-  for (const Basis basis : {Basis::free_interface, Basis::krylov}) {
+  for (const Basis basis :
+       {Basis::free_interface, Basis::krylov, Basis::attachment, Basis::modal_truncation}) {
     p.options.basis = basis;
     const ReducedBody body = fe::reduce(p.mesh, p.matrices, p.options).body;
     EXPECT_NEAR(body.mass, exact.mass, 1e-9 * exact.mass);
@@ -228,6 +233,127 @@ TEST(ModelBases, AreExactWhereTheyPromise) {
                     h = response(fe::reduce(p.mesh, p.matrices, p.options).body, hertz, 0);
     EXPECT_LT((h - H).norm(), 1e-6 * H.norm()) << hertz;
   }
+}
+
+/// The full model held at its root, dense: x, then the tip's coordinates.
+Full held_model(const Full& full) {
+  const Eigen::Index n = full.K.rows(), inner = n - 12;
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < n; ++k)
+    if (k < inner || k >= inner + 6) kept.push_back(k);
+  return {full.K(kept, kept), full.M(kept, kept)};
+}
+
+/// Eigenmodes of the body as its frame holds it are exact, and nothing else changes them.
+TEST(ModelBases, OfAttachmentHaveTheEigenmodesOfTheHeldBody) {
+  Part p = arm();
+  const Full held = held_model(full_model(p));
+  const VectorXd exact = symmetric_eigenvalues(held.K, held.M);
+  for (const Basis basis : {Basis::attachment, Basis::modal_truncation}) {
+    p.options.basis = basis;
+    p.options.dynamic_modes = 5;
+    const ReducedBody body = fe::reduce(p.mesh, p.matrices, p.options).body;
+    EXPECT_EQ(body.modes, 6 + 5 + (basis == Basis::modal_truncation ? 6 : 0));
+    for (int k = 0; k < 5; ++k)
+      EXPECT_NEAR(body.eigenfrequencies[k] / std::sqrt(exact[k]), 1, 1e-7) << name(basis) << ' ' << k;
+    EXPECT_GT(body.eigenfrequencies[5], std::sqrt(exact[5]) * (1 + 1e-9));
+  }
+}
+
+/// A body whose frame is that of the mean floats: there both are free modes with attachment modes by inertia
+/// relief.
+TEST(ModelBases, OfAttachmentAreThoseOfTheFreeBodyInMeanAxes) {
+  Part p = arm();
+  p.options.frame = ModelReduction::Frame::mean_axis;
+  p.options.dynamic_modes = 4;
+  p.options.basis = Basis::free_interface;
+  const ReducedBody free = fe::reduce(p.mesh, p.matrices, p.options).body;
+  for (const Basis basis : {Basis::attachment, Basis::modal_truncation}) {
+    p.options.basis = basis;
+    EXPECT_EQ(fe::reduce(p.mesh, p.matrices, p.options).body.stiffness, free.stiffness);
+  }
+}
+
+/// Deflection of the tip by the body's own inertia where its frame accelerates: exact by augmentation even
+/// without eigenmodes; the others converge to it.
+TEST(ModelBases, WithTruncationAugmentedAreExactForInertia) {
+  Part p = arm();
+  const Full held = held_model(full_model(p));
+  const fe::TiedModel tied(p.mesh, p.matrices, p.options.interfaces);
+  const Eigen::Index n = tied.internals();
+  MatrixXd x = MatrixXd::Zero(n, n + 6), z = MatrixXd::Zero(12, n + 6);
+  x.leftCols(n).setIdentity();
+  z.bottomRightCorner(6, 6).setIdentity();
+  const MatrixXd forces = -tied.expand(x, z).transpose() * full(p.matrices.mass) *
+                          fe::rigid_shapes(p.mesh, p.matrices).leftCols(3);
+  const MatrixXd exact = mimbre::solve(held.K, forces).bottomRows(6).topRows(3);
+  const auto error = [&](Basis basis, int modes) {
+    p.options.basis = basis;
+    p.options.dynamic_modes = modes;
+    const ReducedBody b = fe::reduce(p.mesh, p.matrices, p.options).body;
+    // Of the whole body: strain energy by unit accelerations.
+    const MatrixXd y = PivotedCholesky(b.stiffness).solve(-b.S.transpose());
+    const double energy = (forces.transpose() * mimbre::solve(held.K, forces)).trace();
+    EXPECT_LT((b.frames[1].X * y - exact).norm(), 1e-7 * exact.norm()) << name(basis);
+    return 1 - (b.S * PivotedCholesky(b.stiffness).solve(b.S.transpose())).trace() / energy;
+  };
+  EXPECT_NEAR(error(Basis::modal_truncation, 0), 0, 1e-9);
+  EXPECT_NEAR(error(Basis::modal_truncation, 3), 0, 1e-9);
+  EXPECT_GT(error(Basis::attachment, 0), 1e-4);
+  EXPECT_LT(error(Basis::attachment, 6), 0.3 * error(Basis::attachment, 0));
+}
+
+/// A load between the interfaces: exact in statics in both.
+TEST(ModelBases, OfAttachmentTakeLoads) {
+  Part p = arm();
+  const Full held = held_model(full_model(p));
+  p.options.dynamic_modes = 3;
+  int middle = 0;
+  for (int k = 0; k < p.mesh.nodes.cols(); ++k)
+    if (std::abs(p.mesh.nodes(0, k) - 0.5) < std::abs(p.mesh.nodes(0, middle) - 0.5)) middle = k;
+  const Vector3d force(0, 100, 20);
+  const fe::TiedModel tied(p.mesh, p.matrices, p.options.interfaces);
+  VectorXd f = VectorXd::Zero(p.matrices.stiffness.rows()), all = VectorXd::Zero(held.K.rows());
+  f.segment<3>(3 * static_cast<Eigen::Index>(middle)) = force;
+  all.head(tied.internals()) = tied.restrict(f);
+  const double exact = all.dot(VectorXd(mimbre::solve(held.K, all)));
+  for (const Basis basis : {Basis::attachment, Basis::modal_truncation}) {
+    p.options.basis = basis;
+    const auto compliance = [&] {
+      const ReducedBody body = fe::reduce(p.mesh, p.matrices, p.options).body;
+      Eigen::Index at = 0;
+      (body.nodes.colwise() - p.mesh.nodes.col(middle)).colwise().norm().minCoeff(&at);
+      const VectorXd modal = body.node_shapes.middleRows<3>(3 * at).transpose() * force;
+      return modal.dot(VectorXd(PivotedCholesky(body.stiffness).solve(modal)));
+    };
+    p.options.loads.clear();
+    EXPECT_LT(compliance(), exact * (1 - 1e-4)) << name(basis);
+    p.options.loads = {{"push", {middle}, force}};
+    EXPECT_NEAR(compliance(), exact, 1e-8 * exact) << name(basis);
+  }
+}
+
+/// Motions that joints leave free have no attachment mode; held ones stay held in the eigenmodes.
+TEST(ModelBases, OfAttachmentHaveFreeAndHeldMotions) {
+  Part p = arm();
+  const Full held = held_model(full_model(p));
+  const VectorXd exact = symmetric_eigenvalues(held.K, held.M);
+  p.options.basis = Basis::attachment;
+  p.options.dynamic_modes = 3;
+  auto& motions = p.options.interfaces[1].motions;
+  motions.fill(Interface::Motion::free);
+  const ReducedBody free = fe::reduce(p.mesh, p.matrices, p.options).body;
+  EXPECT_EQ(free.modes, 3);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(free.eigenfrequencies[k] / std::sqrt(exact[k]), 1, 1e-7);
+  motions[2] = Interface::Motion::held;
+  const ReducedBody propped = fe::reduce(p.mesh, p.matrices, p.options).body;
+  EXPECT_LT(propped.frames[1].X.row(2).norm(), 1e-9 * propped.frames[1].X.norm());
+  const Eigen::Index n = held.K.rows();
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < n; ++k)
+    if (k != n - 4) kept.push_back(k);
+  const VectorXd lower = symmetric_eigenvalues(held.K(kept, kept), held.M(kept, kept));
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(propped.eigenfrequencies[k] / std::sqrt(lower[k]), 1, 1e-7);
 }
 
 TEST(ModelBases, TakeAllModesBelowAFrequency) {
@@ -345,6 +471,13 @@ TEST(ModelBases, SayWhatDoesNotGoTogether) {
         o.max_frequency = 1;
       },
       "no dynamic mode below the frequency");
+  fails(
+      [](ModelReduction& o) {
+        o.basis = Basis::attachment;
+        o.interfaces[1].motions[0] = Interface::Motion::free;
+        o.frame = ModelReduction::Frame::mean_axis;
+      },
+      "in the tangent frame, in attachment and modal_truncation");
 }
 
 }  // namespace

@@ -130,6 +130,8 @@ fe::ModelReduction::Frame frame_of(const std::string& name) {
 fe::ModelReduction::Basis basis_of(const std::string& name) {
   using Basis = fe::ModelReduction::Basis;
   if (name == "free_interface") return Basis::free_interface;
+  if (name == "attachment") return Basis::attachment;
+  if (name == "modal_truncation") return Basis::modal_truncation;
   return name == "krylov" ? Basis::krylov : Basis::craig_bampton;
 }
 
@@ -367,7 +369,7 @@ Command add_reduce(CommandLine& program) {
   parser.add_option("input", a->input, "The model; formats: below").required().type_name("INPUT");
   add_interface_options(parser, a->interfaces);
   parser.add_option("--basis", a->basis, "Modes that the body gets; default craig_bampton")
-      .choice({"craig_bampton", "free_interface", "krylov"});
+      .choice({"craig_bampton", "free_interface", "krylov", "attachment", "modal_truncation"});
   const Option modes =
       parser.add_option("--modes", a->modes, "Dynamic modes, or vectors of the Krylov basis; default 10")
           .within(0, 1000)
