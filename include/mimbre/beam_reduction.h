@@ -44,6 +44,7 @@ struct ReductionOptions {
   bool published_force = false;
   BoundaryRotation boundary_rotation = BoundaryRotation::exponential;
   bool sections = false;  ///< with ReducedBody::sections
+  MassMatrix mass_matrix = MassMatrix::consistent;
 };
 
 /// A node that becomes a frame of the reduced body, with its axes.

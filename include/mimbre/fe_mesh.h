@@ -183,6 +183,12 @@ struct FeMatrices {
 /// missing or unsound materials and thicknesses; std::length_error above 2³¹ − 1 entries in a matrix.
 FeMatrices assemble(const SolidMesh& mesh, int threads = 0);
 
+/// The matrices with masses lumped at the nodes (MassMatrix::lumped): of solids each node's part of the
+/// diagonal of the element's consistent mass, scaled to the element's mass (Hinton, Rock, Zienkiewicz 1976)
+/// and tilted to its centre of mass. The mass and its centre are exact, inertia converges with order 2.
+/// Throws std::invalid_argument for shells and for matrices of another program.
+FeMatrices lump_masses(const SolidMesh& mesh, FeMatrices matrices);
+
 /// Geometric stiffness KG(σ), σ of the displacements (in the order of FeMatrices::dofs) by linear elasticity:
 /// lower triangle, dofs × dofs, linear in the displacements; K + KG is the stiffness of the stressed mesh.
 /// Solids only: throws std::invalid_argument for shells and beams, and as assemble does.

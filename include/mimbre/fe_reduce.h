@@ -88,6 +88,8 @@ struct ModelReduction {
   /// Beside the dynamic modes, or, with none of these, in their place.
   UserModes user_modes;
   Frame frame = Frame::tangent;
+  /// Lumped: the matrices must be those of the mesh's elements, solids or beams; see lump_masses.
+  MassMatrix mass_matrix = MassMatrix::consistent;
   double stiffness_damping = 0;  ///< s
   /// Matrices by which forces of inertia, gravity and at the interfaces stiffen the body
   /// (GeometricStiffness): solids, tangent frame, bases with static modes.

@@ -22,6 +22,7 @@ Floats = npt.NDArray[np.float64]
 
 _motions = ("x", "y", "z", "rx", "ry", "rz")
 _bases = ("craig_bampton", "free_interface", "krylov", "attachment", "modal_truncation")
+_mass_matrices = ("consistent", "lumped")
 _frames = ("tangent", "centre_of_mass", "mean_axis")
 _units = {"SI": (1.0, 1.0, 1.0), "mm": (1e-3, 1e3, 1.0), "in": (0.0254, 175.126835, 1.0)}
 
@@ -217,6 +218,7 @@ def reduce(
     max_frequency: float = 0.0,
     krylov_frequency: float = 0.0,
     effective_mass: float = 0.0,
+    mass_matrix: Literal["consistent", "lumped"] = "consistent",
     damping: float = 0.0,
     geometric_stiffness: bool = False,
     free_modes: int = 10,
@@ -250,6 +252,7 @@ def reduce(
         max_frequency: all dynamic modes up to this, Hz, in place of `modes`.
         krylov_frequency: about which the Krylov basis matches the response, Hz.
         effective_mass: only those dynamic modes that reach this share of the body's mass, %.
+        mass_matrix: "consistent", or "lumped": masses at the nodes of solids and beams.
         damping: β of C = β K, s.
         geometric_stiffness: tension and compression change the stiffness.
         free_modes: how many free modes of full and reduced model the validation report compares.
@@ -280,6 +283,7 @@ def reduce(
     options = _core.ReductionOptions()
     options.basis = _index("basis", basis, _bases)
     options.frame = _index("frame", frame, _frames)
+    options.mass_matrix = _index("mass_matrix", mass_matrix, _mass_matrices)
     options.modes = _count("modes", modes)
     options.free_modes = _count("free_modes", free_modes)
     options.max_frequency = _at_least_0("max_frequency", max_frequency)

@@ -174,6 +174,8 @@ class Flexible(TypedDict, total=False):
     # Of the bars: sections at right angles to the axis, these with rotary inertia, or shear and rotary
     # inertia.
     beam_theory: Literal["euler_bernoulli", "rayleigh", "timoshenko"] | str
+    # Of the bars: consistent with the elements' displacements, or lumped at their nodes.
+    mass_matrix: Literal["consistent", "lumped"] | str
     # How frames turn by the small rotations of their modes.
     boundary_rotation: Literal["exponential", "successive", "infinitesimal"] | str
     # Of one straight bar: the static stretch of its free end, then dynamic modes that only stretch; with

@@ -302,6 +302,9 @@ void bind_reduction(nb::module_& module) {
       .def_prop_rw(
           "frame", [](const Options& o) { return static_cast<int>(o.frame); },
           [](Options& o, int k) { o.frame = numbered<fe::ModelReduction::Frame>(k); })
+      .def_prop_rw(
+          "mass_matrix", [](const Options& o) { return static_cast<int>(o.mass_matrix); },
+          [](Options& o, int k) { o.mass_matrix = numbered<fe::MassMatrix>(k); })
       .def_rw("modes", &Options::dynamic_modes)
       .def_rw("free_modes", &Options::free_modes)
       .def_rw("max_frequency", &Options::max_frequency)

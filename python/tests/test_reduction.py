@@ -273,3 +273,15 @@ def test_progress_is_told_and_may_stop(mesh):
 
     with pytest.raises(TimeoutError, match="enough"):
         reduced(mesh, progress=stop)
+
+
+def test_bases_and_mass_matrices(mesh):
+    few = reduced(mesh, free_modes=0)
+    attached = reduced(mesh, basis="attachment", free_modes=0)
+    truncated = reduced(mesh, basis="modal_truncation", free_modes=0)
+    assert (few.modes, attached.modes, truncated.modes) == (10, 10, 16)
+    lumped = reduced(mesh, mass_matrix="lumped", free_modes=0)
+    assert lumped.mass == pytest.approx(few.mass, rel=1e-12)
+    assert (lumped.frequencies < few.frequencies).all()
+    with pytest.raises(mimbre.InputError, match="consistent, lumped"):
+        reduced(mesh, mass_matrix="lump")

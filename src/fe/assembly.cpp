@@ -22,7 +22,7 @@ Matrix12 transformed(const Matrix12& matrix, const Matrix12& transformation) {
 
 }  // namespace
 
-Matrices assemble(const Mesh& mesh) {
+Matrices assemble(const Mesh& mesh, MassMatrix mass_matrix) {
   Triplets mass;
   Triplets stiffness;
   mass.reserve(144 * mesh.elements.size());
@@ -31,7 +31,7 @@ Matrices assemble(const Mesh& mesh) {
     const BeamElement& beam = mesh.elements[e];
     const ElementGeometry geometry = element_geometry(mesh, e);
     const Matrix12 transformation = element_transformation(beam, geometry.axes);
-    scatter(mass, transformed(element_mass(beam, geometry.length), transformation), beam.nodes);
+    scatter(mass, transformed(element_mass(beam, geometry.length, mass_matrix), transformation), beam.nodes);
     scatter(stiffness, transformed(element_stiffness(beam, geometry.length), transformation), beam.nodes);
   }
   const Eigen::Index dofs = 6 * mesh.nodes.cols();

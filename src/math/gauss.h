@@ -23,4 +23,7 @@ inline constexpr std::array<GaussPoint, 6> gauss6{{{0.033765242898423986, 0.0856
                                                    {0.830604693233132257, 0.180380786524069303},
                                                    {0.966234757101576014, 0.085662246189585178}}};
 
+/// Masses at both ends.
+inline constexpr std::array<GaussPoint, 2> trapezoid2{{{0, 0.5}, {1, 0.5}}};
+
 }  // namespace mimbre::fe

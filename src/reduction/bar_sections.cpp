@@ -84,7 +84,7 @@ BarSections bar_sections(const Mesh& mesh, const Matrices& matrices, const Reduc
     moving.middleCols((1 + axis) * modes, modes) = coriolis(Vector3d::Unit(axis), shapes);
 
   MatrixXd forces = MatrixXd::Zero(shapes.rows(), of_frames + 6 * static_cast<Index>(frames.size()));
-  forces.leftCols(inertial) = unit_inertia_forces(mesh);
+  forces.leftCols(inertial) = unit_inertia_forces(mesh, options.mass_matrix);
   forces.middleCols(inertial, 4 * modes) = -(matrices.mass * moving);
   for (std::size_t f = 0; f < frames.size(); ++f)
     for (int k = 0; k < 6; ++k) forces(6 * frames[f].node + k, of_frames + 6 * static_cast<Index>(f) + k) = 1;
@@ -106,11 +106,11 @@ BarSections bar_sections(const Mesh& mesh, const Matrices& matrices, const Reduc
     const Matrix12 transformation = element_transformation(beam, geometry.axes);
     MatrixXd ends =
         element_stiffness(beam, geometry.length) * transformation * nodal_rows(beam, displacements);
-    const Matrix12 thin = thin_mass(beam, geometry.length);
+    const Matrix12 thin = thin_mass(beam, geometry.length, options.mass_matrix);
     for (Index l = 0; l < inertial; ++l)
       ends.col(l) += thin * element_field(geometry, fields[static_cast<std::size_t>(l)]);
     ends.middleCols(inertial, 4 * modes) +=
-        element_mass(beam, geometry.length) * transformation * nodal_rows(beam, moving);
+        element_mass(beam, geometry.length, options.mass_matrix) * transformation * nodal_rows(beam, moving);
     // What the rest of the body does to the element's start is minus what acts on the part before it.
     out.influence.middleRows<6>(12 * e) = -ends.topRows<6>();
     out.influence.middleRows<6>(12 * e + 6) = ends.bottomRows<6>();

@@ -31,9 +31,9 @@ Vector12 element_field(const ElementGeometry& g, const Field& field) {
   return dofs;
 }
 
-Matrix12 thin_mass(BeamElement beam, double length) {
+Matrix12 thin_mass(BeamElement beam, double length, MassMatrix mass_matrix) {
   beam.theory = BeamTheory::euler_bernoulli;
-  return element_mass(beam, length);
+  return element_mass(beam, length, mass_matrix);
 }
 
 }  // namespace mimbre::fe

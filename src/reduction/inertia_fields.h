@@ -23,6 +23,6 @@ std::array<Field, GeometricStiffness::boundary> unit_fields();
 Vector12 element_field(const ElementGeometry& geometry, const Field& field);
 
 /// Mass of a beam without couples of turning sections, which bend the bars and stress them next to nothing.
-Matrix12 thin_mass(BeamElement beam, double length);
+Matrix12 thin_mass(BeamElement beam, double length, MassMatrix mass_matrix);
 
 }  // namespace mimbre::fe

@@ -203,4 +203,19 @@ std::vector<Check> check_matrices(const SolidMesh& mesh, const FeMatrices& matri
   return checks;
 }
 
+Check lumped_check(const FeMatrices& consistent, const FeMatrices& lumped, const Eigen::MatrixXd& R) {
+  const auto inertia = [&](const FeMatrices& matrices) {
+    const Eigen::MatrixXd m = R.transpose() * symmetric_times(matrices.mass, R);
+    // About the origin m.bottomRight; its translations couple by −m c~.
+    return Eigen::Matrix3d(m.bottomRightCorner(3, 3) -
+                           m.bottomLeftCorner(3, 3) * m.topRightCorner(3, 3) / m(0, 0));
+  };
+  const Eigen::Matrix3d exact = inertia(consistent), found = inertia(lumped);
+  return {
+      "lumped masses", true,
+      fmt::format("at the nodes, with the same centre of mass; moments of inertia differ by up to {:.2g} % "
+                  "of the largest from those of consistent masses",
+                  100 * (found - exact).cwiseAbs().maxCoeff() / exact.diagonal().maxCoeff())};
+}
+
 }  // namespace mimbre::fe

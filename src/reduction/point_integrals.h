@@ -13,4 +13,8 @@ namespace mimbre::fe {
 void add_point_integrals(const SolidMesh& mesh, const std::vector<Dof>& dofs, const Eigen::MatrixXd& shapes,
                          ReducedBody& body);
 
+/// The same of masses that are lumped at the nodes.
+void add_lumped_integrals(const SolidMesh& mesh, const std::vector<Dof>& dofs, const Eigen::MatrixXd& shapes,
+                          ReducedBody& body);
+
 }  // namespace mimbre::fe

@@ -39,14 +39,16 @@ void add_drawing(const Mesh& mesh, const Eigen::MatrixXd& shapes, ReducedBody& b
   body.line_radius = std::sqrt(area / std::numbers::pi);
 }
 
-/// The mass of each element's centre line between its two nodes, interpolated linearly.
-Eigen::SparseMatrix<double> nodal_mass(const Mesh& mesh) {
+/// The mass of each element's centre line between its two nodes, interpolated linearly, or lumped at them.
+Eigen::SparseMatrix<double> nodal_mass(const Mesh& mesh, MassMatrix mass_matrix) {
+  const bool lumped = mass_matrix == MassMatrix::lumped;
   std::vector<Eigen::Triplet<double>> entries;
   for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
     const BeamElement& beam = mesh.elements[e];
     const double mass = beam.material.density * beam.section.area * element_geometry(mesh, e).length;
     for (int i : beam.nodes)
-      for (int j : beam.nodes) entries.emplace_back(i, j, i == j ? mass / 3 : mass / 6);
+      for (int j : beam.nodes)
+        if (!lumped || i == j) entries.emplace_back(i, j, lumped ? mass / 2 : i == j ? mass / 3 : mass / 6);
   }
   Eigen::SparseMatrix<double> matrix(mesh.nodes.cols(), mesh.nodes.cols());
   matrix.setFromTriplets(entries.begin(), entries.end());
@@ -60,10 +62,11 @@ ReducedBody reduce(const Mesh& mesh, const ReductionOptions& options, const std:
     throw std::invalid_argument(
         fmt::format("stiffness damping must not be negative, is {}", options.stiffness_damping));
   if (mesh.elements.empty()) throw std::invalid_argument("the mesh has no elements");
-  const Matrices matrices = assemble(mesh);
+  const Matrices matrices = assemble(mesh, options.mass_matrix);
   const bool geometric = options.stiffening == Stiffening::geometric_stiffness;
   const Basis basis =
-      craig_bampton(mesh, matrices, options, geometric ? unit_inertia_forces(mesh) : Eigen::MatrixXd());
+      craig_bampton(mesh, matrices, options,
+                    geometric ? unit_inertia_forces(mesh, options.mass_matrix) : Eigen::MatrixXd());
 
   ReducedBody body;
   body.modes = static_cast<int>(basis.shapes.cols());
@@ -73,10 +76,10 @@ ReducedBody reduce(const Mesh& mesh, const ReductionOptions& options, const std:
   body.mass_matrix = 0.5 * (mass + mass.transpose());
   body.stiffness = basis.stiffness;
   body.damping = options.stiffness_damping * basis.stiffness;
-  add_shape_integrals(mesh, basis.shapes, body);
+  add_shape_integrals(mesh, basis.shapes, options.mass_matrix, body);
   for (const NodeFrame& frame : frames) body.frames.push_back(body_frame(frame, mesh, basis.shapes));
   add_drawing(mesh, basis.shapes, body);
-  body.mesh_inertia = MeshInertia{6, matrices.mass, basis.shapes, nodal_mass(mesh)};
+  body.mesh_inertia = MeshInertia{6, matrices.mass, basis.shapes, nodal_mass(mesh, options.mass_matrix)};
   if (geometric) body.geometric = geometric_stiffness(mesh, options, basis);
   if (geometric || options.stiffening == Stiffening::linear)
     body.stretching = stretching_of_beams(mesh, matrices, options, frames, basis.shapes, body);

@@ -527,7 +527,10 @@ Vector3d centre_of(const SolidMesh& mesh, const std::vector<int>& nodes) {
   return nodes.empty() ? sum : Vector3d(sum / static_cast<double>(nodes.size()));
 }
 
-ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const ModelReduction& wanted) {
+ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& given, const ModelReduction& wanted) {
+  const bool lumped = wanted.mass_matrix == MassMatrix::lumped;
+  const FeMatrices own = lumped ? lump_masses(mesh, given) : FeMatrices{};
+  const FeMatrices& all = lumped ? own : given;
   const bool constrained = has_constraints(mesh) || has_loose_rotations(all);
   ModelReduction options = wanted;
   if (constrained) options.interfaces = at_references(mesh, options.interfaces);
@@ -548,6 +551,7 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
   result.body.checks.push_back(connected_check(mesh, matrices, options.interfaces));
   if (!result.body.checks.back().passed) throw std::invalid_argument(result.body.checks.back().detail);
   if (!loose.empty()) result.body.checks.push_back(loose_rotations_check(mesh, loose));
+  if (lumped) result.body.checks.push_back(lumped_check(given, all, rigid_shapes(mesh, all)));
 
   const MatrixXd R = rigid_shapes(mesh, matrices);
   if (!options.stress.nodes.empty()) {
@@ -570,7 +574,9 @@ ReductionResult reduce(const SolidMesh& mesh, const FeMatrices& all, const Model
                  stiffness = shapes.dofs.transpose() * symmetric_times(matrices.stiffness, shapes.dofs);
   const MatrixXd all_shapes = expanded(shapes.dofs);
   const MatrixXd displacements = node_shapes(mesh, all, all_shapes);
-  if (all.of_mesh && has_rotating_mass(mesh))
+  if (lumped && has_rotating_mass(mesh))
+    add_lumped_integrals(mesh, all.dofs, all_shapes, body);
+  else if (all.of_mesh && has_rotating_mass(mesh))
     add_point_integrals(mesh, all.dofs, all_shapes, body);
   else
     add_shape_integrals(mesh.nodes, nodal_mass_of(mesh, all), displacements, body);

@@ -1,5 +1,7 @@
 #include "reduction/shape_integrals.h"
 
+#include <span>
+
 #include "fe/elements/beam_element.h"
 #include "math/gauss.h"
 
@@ -34,24 +36,9 @@ void complete_shape_integrals(ReducedBody& body) {
   }
 }
 
-namespace {
-
-void add_polar_inertia(ReducedBody& body, double inertia, const Eigen::Vector3d& axis,
-                       const Eigen::RowVectorXd& mean_twist) {
-  body.second_moment += inertia * (0.5 * Eigen::Matrix3d::Identity() - axis * axis.transpose());
-  for (int k = 0; k < 3; ++k) {
-    const int i = (k + 1) % 3;
-    const int j = (k + 2) % 3;
-    const Eigen::RowVectorXd half = 0.5 * inertia * axis[k] * mean_twist;
-    body.S_position[i].row(j) += half;
-    body.S_position[j].row(i) -= half;
-  }
-}
-
-/// Inertia of a stiff section that turns by θ = `turn` · y about an axis point: with D = ∫d dᵀ over its
-/// points d, the second moment of exp(θ~) d to second order, (I + θ~ + ½θ~²) D (I + θ~ + ½θ~²)ᵀ, and the
-/// moment of momentum that goes with it.
-void add_turning_section(ReducedBody& body, const Eigen::Matrix3d& D, const Eigen::Matrix3Xd& turn) {
+// The second moment of exp(θ~) d to second order, (I + θ~ + ½θ~²) D (I + θ~ + ½θ~²)ᵀ, and the
+// moment of momentum that goes with it.
+void add_turning_part(ReducedBody& body, const Eigen::Matrix3d& D, const Eigen::Matrix3Xd& turn) {
   body.second_moment += D;
   const Eigen::Matrix3Xd D_turn = D * turn;
   std::array<Eigen::Matrix3Xd, 3> across;  // row i of θ~ by mode: coordinate i of θ × d is its product with d
@@ -73,9 +60,26 @@ void add_turning_section(ReducedBody& body, const Eigen::Matrix3d& D, const Eige
     }
 }
 
+namespace {
+
+void add_polar_inertia(ReducedBody& body, double inertia, const Eigen::Vector3d& axis,
+                       const Eigen::RowVectorXd& mean_twist) {
+  body.second_moment += inertia * (0.5 * Eigen::Matrix3d::Identity() - axis * axis.transpose());
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3;
+    const int j = (k + 2) % 3;
+    const Eigen::RowVectorXd half = 0.5 * inertia * axis[k] * mean_twist;
+    body.S_position[i].row(j) += half;
+    body.S_position[j].row(i) -= half;
+  }
+}
+
 }  // namespace
 
-void add_shape_integrals(const Mesh& mesh, const Eigen::MatrixXd& shapes, ReducedBody& body) {
+void add_shape_integrals(const Mesh& mesh, const Eigen::MatrixXd& shapes, MassMatrix mass_matrix,
+                         ReducedBody& body) {
+  const bool lumped = mass_matrix == MassMatrix::lumped;
+  const std::span<const GaussPoint> points = lumped ? std::span<const GaussPoint>(trapezoid2) : gauss4;
   clear_shape_integrals(body, shapes.cols());
   Eigen::MatrixXd dofs(12, shapes.cols());  // of the element, in its axes, per mode
   for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
@@ -91,12 +95,14 @@ void add_shape_integrals(const Mesh& mesh, const Eigen::MatrixXd& shapes, Reduce
         beam.material.density *
         (geometry.axes * Eigen::Vector3d(0, beam.section.Iz, beam.section.Iy).asDiagonal() *
          geometry.axes.transpose());
-    for (const GaussPoint& point : gauss4) {
+    for (const GaussPoint& point : points) {
       const Eigen::Matrix3Xd X = geometry.axes * shape_functions(point.xi, geometry.length, shear) * dofs;
       add_mass_point(body, point.weight * mass, geometry.start + point.xi * geometry.length * axis, X);
-      if (has_rotary_inertia(beam))
-        add_turning_section(body, point.weight * geometry.length * section,
-                            geometry.axes * rotation_functions(point.xi, geometry.length, shear) * dofs);
+      const Eigen::Matrix3Xd turn =
+          geometry.axes * rotation_functions(point.xi, geometry.length, shear) * dofs;
+      if (has_rotary_inertia(beam)) add_turning_part(body, point.weight * geometry.length * section, turn);
+      if (lumped)
+        add_turning_part(body, lumped_turning(beam, geometry.length) * axis * axis.transpose(), turn);
     }
     if (!has_rotary_inertia(beam))
       add_polar_inertia(body, polar_inertia(beam) * geometry.length, axis, 0.5 * (dofs.row(3) + dofs.row(9)));

@@ -51,6 +51,12 @@ TEST_F(Reduce, ChoosesTheBasis) {
   const json below = with({"--max-frequency", std::to_string(limit)}).json();
   EXPECT_EQ(below.at("frequencies_hz").size(), 3u);
   EXPECT_EQ(with({"--basis", "krylov", "--modes", "3"}).json().at("modes"), 6 + 3);
+  EXPECT_EQ(with({"--basis", "attachment", "--modes", "3"}).json().at("modes"), 6 + 3);
+  // One of the six by inertia depends on the others in so small a model.
+  EXPECT_EQ(with({"--basis", "modal_truncation", "--modes", "3"}).json().at("modes"), 6 + 6 + 3 - 1);
+  const Outcome foreign = with({"--mass-matrix", "lumped"});
+  EXPECT_EQ(foreign.code, 1);
+  EXPECT_THAT(foreign.out, HasSubstr("these matrices are another program's"));
   // Twelve attachment modes and three, of which one depends on the others in so small a model.
   EXPECT_EQ(with({"--basis", "free_interface", "--modes", "3"}).json().at("modes"), 12 + 3 - 1);
   const json some = with({"--modes", "5", "--effective-mass", "5"}).json();

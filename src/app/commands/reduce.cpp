@@ -31,7 +31,7 @@ struct ReduceArguments {
   InterfaceOptions interfaces;
   std::vector<std::string> materials, densities, thicknesses, loads;
   int modes = 10, free_modes = 10;
-  std::string frame = "tangent", units = "SI", basis = "craig_bampton";
+  std::string frame = "tangent", units = "SI", basis = "craig_bampton", mass_matrix = "consistent";
   double damping = 0, max_frequency = 0, krylov_frequency = 0, effective_mass = 0;
   bool json = false, stiffening = false, no_cache = false;
 };
@@ -203,6 +203,7 @@ Json reduce_anew(const ReduceArguments& a) {
   options.stiffness_damping = a.damping;
   options.geometric_stiffness = a.stiffening;
   options.frame = frame_of(a.frame);
+  if (a.mass_matrix == "lumped") options.mass_matrix = fe::MassMatrix::lumped;
   options.progress = [&](const std::string& stage, double part) { progress.update(stage, part); };
   fe::ReductionResult result = [&] {
     try {
@@ -340,6 +341,10 @@ void add_file_options(Parser& parser, ReduceArguments& a) {
   parser.add_option("--damping", a.damping, "Damping proportional to stiffness, s; default 0")
       .not_negative()
       .type_name("S");
+  parser
+      .add_option("--mass-matrix", a.mass_matrix,
+                  "consistent (default), or lumped: masses at the nodes of solids and beams")
+      .choice({"consistent", "lumped"});
   parser.add_flag("--geometric-stiffness", a.stiffening,
                   "Stiffen the body by forces of inertia, gravity and at its interfaces (solids)");
   parser.add_option("--units", a.units, "Of the file: SI (default), mm (mm, tonnes, s), in (inch, lbf, s)")

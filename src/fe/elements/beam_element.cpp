@@ -225,6 +225,23 @@ Matrix12 element_mass(const BeamElement& element, double length) {
   return m;
 }
 
+double lumped_turning(const BeamElement& element, double length) {
+  return element.material.density * element.section.area * length * length * length / 78;
+}
+
+Matrix12 element_mass(const BeamElement& element, double length, MassMatrix mass_matrix) {
+  if (mass_matrix == MassMatrix::consistent) return element_mass(element, length);
+  const double half = 0.5 * element.material.density * length;
+  const double turning = lumped_turning(element, length);
+  const double rotary = has_rotary_inertia(element) ? half : 0;
+  Matrix12 m = Matrix12::Zero();
+  for (int first : {0, 6})
+    m.diagonal().segment<6>(first) << half * element.section.area, half * element.section.area,
+        half * element.section.area, 0.5 * polar_inertia(element) * length,
+        turning + rotary * element.section.Iy, turning + rotary * element.section.Iz;
+  return m;
+}
+
 double polar_inertia(const BeamElement& element) {
   return element.material.density * (element.section.Iy + element.section.Iz);
 }

@@ -36,6 +36,10 @@ Matrix12 element_stiffness(const BeamElement& element, double length);
 /// 11.21, without shear and rotary inertia), and turning of the sections at ρIy and ρIz where the theory has
 /// it.
 Matrix12 element_mass(const BeamElement& element, double length);
+/// Consistent, or lumped: diagonal, see MassMatrix.
+Matrix12 element_mass(const BeamElement& element, double length, MassMatrix mass_matrix);
+/// Of each end of a beam with lumped masses: inertia against bending beside that of the sections, m L²/78.
+double lumped_turning(const BeamElement& element, double length);
 
 /// Polar mass inertia of the section per length, ρ(Iy + Iz).
 double polar_inertia(const BeamElement& element);

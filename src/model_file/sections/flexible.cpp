@@ -478,11 +478,27 @@ struct Reader {
     }
   }
 
+  /// Masses are lumped at the nodes of bars whose reduction sums over the mesh.
+  void read_mass_matrix(const Value& mass_matrix) {
+    if (mass_matrix.choice({"consistent", "lumped"}).value_or(0) == 0) return;
+    result.options.mass_matrix = fe::MassMatrix::lumped;
+    if (result.kind == BeamKind::ancf)
+      fail(mass_matrix,
+           "cannot be lumped by absolute nodal coordinates, whose mass matrix is constant as it is; take "
+           "beam: "
+           "reduced or corotational");
+    if (result.in_segments())
+      fail(mass_matrix,
+           "cannot be lumped in segments, which are rigid bodies with inertia of their own; take beam: "
+           "reduced "
+           "or corotational");
+  }
+
   void read() {
     const Fields fields(value,
                         {"material", "section", "nodes", "bars", "clamped", "static_modes", "dynamic_modes",
                          "stiffness_damping", "planar", "stiffening", "stiffening_force", "axial_modes",
-                         "substructures", "beam", "beam_theory", "boundary_rotation"});
+                         "substructures", "beam", "beam_theory", "boundary_rotation", "mass_matrix"});
     result.mark = value.mark();
     result.what = value.what();
     result.line_radius = 0;
@@ -520,6 +536,7 @@ struct Reader {
       if (const auto k = turning->choice({"exponential", "successive", "infinitesimal"}))
         result.options.boundary_rotation = static_cast<BoundaryRotation>(*k);
     if (const auto kind = fields.get("beam")) read_kind(*kind);
+    if (const auto mass_matrix = fields.get("mass_matrix")) read_mass_matrix(*mass_matrix);
     if (good && result.kind == BeamKind::reduced && result.substructures.count == 1 &&
         result.options.boundary.empty() && result.options.dynamic_modes == 0)
       fail(value, "has no modes; give static_modes or dynamic_modes");

@@ -42,7 +42,7 @@ bool same(const FlexibleDescription& a, const FlexibleDescription& b) {
   return a.options.clamped_nodes == b.options.clamped_nodes && a.options.fixed_dofs == b.options.fixed_dofs &&
          a.options.dynamic_modes == b.options.dynamic_modes &&
          a.options.axial_dynamic_modes == b.options.axial_dynamic_modes &&
-         a.options.stiffening == b.options.stiffening &&
+         a.options.stiffening == b.options.stiffening && a.options.mass_matrix == b.options.mass_matrix &&
          a.options.published_force == b.options.published_force &&
          a.options.boundary_rotation == b.options.boundary_rotation && a.kind == b.kind &&
          near(a.normal, b.normal, 1) && a.options.stiffness_damping == b.options.stiffness_damping;

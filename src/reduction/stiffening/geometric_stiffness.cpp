@@ -31,20 +31,35 @@ SectionForces::Polynomial integrated(double start, double factor, const SectionF
 
 /// Of a beam by its displacements and an acceleration field: at its start those of its ends, which consistent
 /// forces make exact; along it as the inertia forces of the field, −ρA times its value, and M' = −x × F
-/// change them.
+/// change them. Masses lumped at the ends are outside, and leave the forces along it constant.
 SectionForces section_forces(const BeamElement& beam, double length, const Vector12& dofs,
-                             const Vector12& field) {
-  const Vector12 ends = element_stiffness(beam, length) * dofs + thin_mass(beam, length) * field;
-  const double mass = beam.material.density * beam.section.area * length;
+                             const Vector12& field, MassMatrix mass_matrix) {
+  const bool lumped = mass_matrix == MassMatrix::lumped;
+  Vector12 ends;
+  if (lumped)
+    ends = element_stiffness(beam, length) * dofs;
+  else
+    ends = element_stiffness(beam, length) * dofs + thin_mass(beam, length, mass_matrix) * field;
+  const double along = lumped ? 0 : length;
+  const double mass = beam.material.density * beam.section.area * along;
   const auto force = [&](int k) { return integrated(-ends[k], mass, {field[k], field[6 + k] - field[k]}); };
   SectionForces out;
   out.axial = force(0);
   out.shear_y = force(1);
   out.shear_z = force(2);
-  out.torque = integrated(-ends[3], polar_inertia(beam) * length, {field[3]});
+  out.torque = integrated(-ends[3], polar_inertia(beam) * along, {field[3]});
   out.moment_y = integrated(-ends[4], length, out.shear_z);
   out.moment_z = integrated(-ends[5], -length, out.shear_y);
   return out;
+}
+
+/// Of a beam with lumped masses the forces at its ends with these, linear between the two.
+SectionForces forces_with_lumps(const BeamElement& beam, double length, const Vector12& dofs,
+                                const Vector12& field) {
+  const Vector12 ends =
+      element_stiffness(beam, length) * dofs + thin_mass(beam, length, MassMatrix::lumped) * field;
+  const auto linear = [&](int k) { return SectionForces::Polynomial{-ends[k], ends[6 + k] + ends[k]}; };
+  return {.axial = linear(0), .shear_y = linear(1), .shear_z = linear(2)};
 }
 
 /// Rigid offsets o turn with the nodes: by θ × o and ½ θ × (θ × o), on which the forces at the ends work.
@@ -74,7 +89,7 @@ struct Loads {
 /// Adds the geometric stiffness of one beam, in the basis, for every load; to `reference` that of unit
 /// tension.
 void add_beam(const Mesh& mesh, int element, const Loads& loads, const MatrixXd& shapes,
-              std::vector<MatrixXd>& stiffness, MatrixXd& reference) {
+              MassMatrix mass_matrix, std::vector<MatrixXd>& stiffness, MatrixXd& reference) {
   const BeamElement& beam = mesh.elements[element];
   const ElementGeometry geometry = element_geometry(mesh, element);
   const Matrix12 transformation = element_transformation(beam, geometry.axes);
@@ -82,17 +97,23 @@ void add_beam(const Mesh& mesh, int element, const Loads& loads, const MatrixXd&
   MatrixXd dofs(12, shapes.cols());
   for (int end = 0; end < 2; ++end) dofs.middleRows<6>(6 * end) = shapes.middleRows<6>(6 * beam.nodes[end]);
   dofs = (transformation * dofs).eval();
-  const auto add = [&](const SectionForces& section, MatrixXd& sum) {
+  const auto add = [&](const SectionForces& section, const SectionForces& at_ends, MatrixXd& sum) {
     Matrix12 k = element_geometric_stiffness(section, geometry.length, shear);
-    add_offsets(beam, geometry.axes, section, k);
+    add_offsets(beam, geometry.axes, at_ends, k);
     const MatrixXd forces = k * dofs;
     sum.noalias() += dofs.transpose() * forces;
   };
-  add({.axial = {1}}, reference);
-  for (Eigen::Index l = 0; l < loads.displacements.cols(); ++l)
-    add(section_forces(beam, geometry.length, transformation * nodal_values(beam, loads.displacements.col(l)),
-                       element_field(geometry, loads.fields[static_cast<std::size_t>(l)])),
-        stiffness[static_cast<std::size_t>(l)]);
+  add({.axial = {1}}, {.axial = {1}}, reference);
+  for (Eigen::Index l = 0; l < loads.displacements.cols(); ++l) {
+    const auto load = static_cast<std::size_t>(l);
+    const Vector12 values = transformation * nodal_values(beam, loads.displacements.col(l)),
+                   field = element_field(geometry, loads.fields[load]);
+    const SectionForces section = section_forces(beam, geometry.length, values, field, mass_matrix);
+    if (mass_matrix == MassMatrix::consistent)
+      add(section, section, stiffness[load]);
+    else
+      add(section, forces_with_lumps(beam, geometry.length, values, field), stiffness[load]);
+  }
 }
 
 /// Displacements by a unit force against the displacement of each boundary dof, all others free.
@@ -121,7 +142,7 @@ Loads all_loads(const Mesh& mesh, const ReductionOptions& options, const Basis& 
   loads.fields.assign(unit.begin(), unit.end());
   loads.fields.resize(static_cast<std::size_t>(inertial + boundary));
   loads.sizes.resize(inertial + boundary);
-  const MatrixXd forces = unit_inertia_forces(mesh);
+  const MatrixXd forces = unit_inertia_forces(mesh, options.mass_matrix);
   for (Eigen::Index l = 0; l < inertial; ++l) {
     loads.sizes[l] = 0;
     for (Eigen::Index node = 0; node < mesh.nodes.cols(); ++node)
@@ -135,14 +156,14 @@ Loads all_loads(const Mesh& mesh, const ReductionOptions& options, const Basis& 
 
 }  // namespace
 
-MatrixXd unit_inertia_forces(const Mesh& mesh) {
+MatrixXd unit_inertia_forces(const Mesh& mesh, MassMatrix mass_matrix) {
   const auto fields = unit_fields();
   MatrixXd forces = MatrixXd::Zero(6 * mesh.nodes.cols(), GeometricStiffness::boundary);
   for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
     const BeamElement& beam = mesh.elements[e];
     const ElementGeometry geometry = element_geometry(mesh, e);
     const Matrix12 transformation = element_transformation(beam, geometry.axes);
-    const Matrix12 mass = thin_mass(beam, geometry.length);
+    const Matrix12 mass = thin_mass(beam, geometry.length, mass_matrix);
     for (std::size_t l = 0; l < fields.size(); ++l) {
       const Vector12 force = -transformation.transpose() * (mass * element_field(geometry, fields[l]));
       for (int end = 0; end < 2; ++end)
@@ -159,7 +180,7 @@ GeometricStiffness geometric_stiffness(const Mesh& mesh, const ReductionOptions&
   std::vector<MatrixXd> stiffness(loads.fields.size(), MatrixXd::Zero(modes, modes));
   MatrixXd reference = MatrixXd::Zero(modes, modes);
   for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e)
-    add_beam(mesh, e, loads, basis.shapes, stiffness, reference);
+    add_beam(mesh, e, loads, basis.shapes, options.mass_matrix, stiffness, reference);
 
   GeometricStiffness out;
   out.boundary_loads.resize(0, modes);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
 #include "fe/elements/beam_element.h"
@@ -145,7 +146,9 @@ Shortening shortening(const Mesh& mesh, const std::vector<Piece>& pieces, const 
 
 /// Integrals (3.9)–(3.11) of the extended shapes; the sections' polar inertia as in the linear ones.
 void extend_integrals(const std::vector<Piece>& pieces, const Shortening& s, const Products& products,
-                      const ReducedBody& body, SecondOrder& out) {
+                      MassMatrix mass_matrix, const ReducedBody& body, SecondOrder& out) {
+  const std::span<const GaussPoint> points =
+      mass_matrix == MassMatrix::lumped ? std::span<const GaussPoint>(trapezoid2) : gauss6;
   const Eigen::Index n = body.modes, count = static_cast<Eigen::Index>(products.size()), all = n + count;
   out.S.setZero(3, all);
   for (int i = 0; i < 3; ++i) {
@@ -155,7 +158,7 @@ void extend_integrals(const std::vector<Piece>& pieces, const Shortening& s, con
   for (std::size_t e = 0; e < pieces.size(); ++e) {
     const Piece& piece = pieces[e];
     const double mass = piece.beam->material.density * piece.beam->section.area * piece.geometry.length;
-    for (const GaussPoint& g : gauss6) {
+    for (const GaussPoint& g : points) {
       Matrix3Xd X(3, all);
       X.leftCols(n) =
           piece.geometry.axes * shape_functions(g.xi, piece.geometry.length, piece.shear) * piece.dofs;
@@ -208,7 +211,7 @@ void extend_linear(const ReducedBody& body, SecondOrder& out) {
 void add_foreshortening(const Mesh& mesh, const std::vector<Piece>& pieces, const MatrixXd& shapes,
                         const ReductionOptions& options, const ReducedBody& body, SecondOrder& out) {
   const Shortening s = shortening(mesh, pieces, shapes, options.clamped_nodes, out.products);
-  extend_integrals(pieces, s, out.products, body, out);
+  extend_integrals(pieces, s, out.products, options.mass_matrix, body, out);
   const Eigen::Index count = static_cast<Eigen::Index>(out.products.size());
   for (Eigen::Index node = 0; node < mesh.nodes.cols(); ++node) {
     const Matrix3Xd& h = s.nodes[static_cast<std::size_t>(node)];
