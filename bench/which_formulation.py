@@ -11,7 +11,6 @@ import csv
 import json
 import math
 import pathlib
-import shutil
 import subprocess
 import tempfile
 from dataclasses import dataclass, field
@@ -210,6 +209,13 @@ def spin_up(runner: Runner) -> tuple[str, str]:
         *(Way(f"{n} substructures", {"method": "substructuring", "substructures": n}) for n in (5, 10, 20)),
         *(Way(f"{n} segments", {"method": "segments", "elements": n}) for n in (5, 10, 20, 40)),
         *(Way(f"corotational, {n} elements", {"method": "nonlinear_beam", "elements": n}) for n in (5, 10, 20)),
+        *(
+            Way(
+                f"lumped corotational, {n} elements",
+                {"method": "nonlinear_beam", "elements": n, "mass_matrix": "lumped"},
+            )
+            for n in (5, 10, 20, 40)
+        ),
         *(Way(f"absolute coordinates, {n} elements", {"method": "ancf", "elements": n}) for n in (5, 10)),
     ]
     options = ""
@@ -228,23 +234,30 @@ def spin_up(runner: Runner) -> tuple[str, str]:
     )
 
 
-def frequencies(runner: Runner) -> str:
-    """Of a cantilever of segments."""
+def cantilever(runner: Runner, first: str, settings: list[str]) -> str:
+    """First frequency of a clamped bar against the number of its elements."""
     exact = 1.8751040687**2 * math.sqrt(7e10 * 2e-7 / (3000 * 4e-4)) / 10**2 / (2 * math.pi)
     rows, before = [], 0.0
     for n in (4, 8, 16, 32):
         command = [runner.program, "modes", str(EXAMPLES / "spin-up-beam/beam-2d.yaml"), "--json"]
-        command += ["--set", "method=segments", "--set", f"elements={n}"]
+        for setting in [*settings, f"elements={n}"]:
+            command += ["--set", setting]
         answer = json.loads(subprocess.run(command, capture_output=True, text=True).stdout)
         lowest = min(mode["frequency"] for mode in answer["modes"] if mode["frequency"] > 0)
-        error = abs(lowest / exact - 1)
+        error = lowest / exact - 1
         rows.append(
             [str(n), f"{lowest:.5f}", f"{100 * error:.3f} %", f"{math.log2(before / error):.2f}" if before else ""]
         )
         before = error
-    return f"The exact frequency is {exact:.5f} Hz.\n\n" + table(
-        ["segments", "first frequency, Hz", "error", "order"], rows
-    )
+    return f"The exact frequency is {exact:.5f} Hz.\n\n" + table([first, "first frequency, Hz", "error", "order"], rows)
+
+
+def frequencies(runner: Runner) -> str:
+    return cantilever(runner, "segments", ["method=segments"])
+
+
+def lumped(runner: Runner) -> str:
+    return cantilever(runner, "elements", ["method=nonlinear_beam", "mass_matrix=lumped"])
 
 
 def mechanism(runner: Runner, file: pathlib.Path, ways: list[Way], options: str) -> str:
@@ -267,61 +280,22 @@ def mechanism(runner: Runner, file: pathlib.Path, ways: list[Way], options: str)
     return table(["", "largest error of an output", "which", "time by the first's", "iterations a step"], rows)
 
 
-ARM = (
-    "--units mm --material 2.1e11,0.3,7850 --interface front=group:front --interface rear=group:rear "
-    "--interface ball=group:ball --interface shock=group:seat --point front=108,0,0 --point rear=-108,0,0 "
-    "--point ball=0,321.4603,0 --point shock=75,248.6166,-4.6668 --free-modes 0 --damping 0.01"
-)
-
-
-def bases(runner: Runner) -> tuple[str, str]:
-    """Of the solid arm, in its suspension."""
-    copy = runner.folder / "examples"
-    shutil.copytree(EXAMPLES / "iltis", copy / "iltis")
-    shutil.copytree(EXAMPLES / "solid-arm", copy / "solid-arm")
-    file, arm = copy / "solid-arm/suspension.yaml", copy / "solid-arm/arm.h5"
-
-    def program(*words: object) -> dict[str, object]:
-        done = subprocess.run([runner.program, *map(str, words), "--json"], capture_output=True, text=True)
-        answer = json.loads(done.stdout)
-        if answer.get("status") == "error":
-            raise RuntimeError(answer["errors"][0]["message"])
-        return answer
-
-    def reduced(basis: str, modes: int) -> int:
-        words = [*ARM.split(), "--basis", basis, "--modes", modes, "-o", arm]
-        return int(str(program("reduce", copy / "solid-arm/arm.msh", *words)["modes"]))
-
-    def deflection() -> list[float]:
-        return runner.run(file, Way("arm"), "--step 0.002").columns["arm.deflection"]
-
-    reduced("craig_bampton", 60)
-    exact = deflection()
-    lines: dict[str, list[tuple[float, float]]] = {}
-    for basis, name, counts in (
-        ("craig_bampton", "Craig–Bampton", (0, 2, 5, 10)),
-        ("free_interface", "free interface", (0, 2, 5, 10)),
-        ("krylov", "Krylov", (6, 12, 18, 24)),
-    ):
-        for count in counts:
-            try:
-                modes = reduced(basis, count)
-            except RuntimeError:
-                continue  # too few for this basis
-            lines.setdefault(name, []).append((modes, 100 * largest(deflection(), exact)))
-    # Combinations of many modes, by how much of the motion of a run each has.
-    for error in (20, 5, 1, 0.2, 0.05):
-        reduced("craig_bampton", 10)
-        small = copy / "small.h5"
-        try:
-            found = program("select", file, "--body", "front_left.arm", "--error", error, "--step", 0.002, "-o", small)
-        except RuntimeError:
+def bases(runner: Runner, name: str, title: str) -> tuple[str, str]:
+    """A table of `mimbre reproduce`: error against number of modes."""
+    command = [runner.program, "reproduce", "--table", name, "--json"]
+    answer = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    found: dict[str, dict[str, list[float]]] = {}
+    for row in answer["rows"]:
+        if row["ours"] is None:
             continue
-        shutil.copy(small, arm)
-        lines.setdefault("proper orthogonal", []).append((int(str(found["modes"])), 100 * largest(deflection(), exact)))
-    rows = [[name, str(modes), f"{error:.2g} %"] for name, line in lines.items() for modes, error in line]
+        series, _, size = row["case"].split(", ")
+        found.setdefault(series, {}).setdefault(size, []).append(row["ours"])
+    lines = {series: [(k, e) for k, e in sizes.values()] for series, sizes in found.items()}
+    rows = [
+        [series, str(round(modes)), percent(error / 100)] for series, line in lines.items() for modes, error in line
+    ]
     return table(["basis", "modes", "error of the arm's deflection"], rows), figure(
-        "Solid arm: error against number of modes", "modes", "error of the arm's deflection, %", lines
+        f"{title}: error against number of modes", "modes", "error of the arm's deflection, %", lines
     )
 
 
@@ -334,8 +308,10 @@ def page(runner: Runner, folder: pathlib.Path) -> str:
     (folder / "which-formulation-crank.svg").write_text(crank_figure)
     spin, spin_figure = spin_up(runner)
     (folder / "which-formulation-spin-up.svg").write_text(spin_figure)
-    arms, arms_figure = bases(runner)
+    arms, arms_figure = bases(runner, "bases-solid-arm", "Solid arm")
     (folder / "which-formulation-bases.svg").write_text(arms_figure)
+    cars, cars_figure = bases(runner, "bases-vehicle", "Vehicle")
+    (folder / "which-formulation-bases-vehicle.svg").write_text(cars_figure)
     bars = {"flexible_bars": 5}
     four_bar = mechanism(
         runner,
@@ -366,7 +342,8 @@ def page(runner: Runner, folder: pathlib.Path) -> str:
     text = (TOP / "bench/which_formulation.md").read_text()
     parts = {
         "CRANK": crank, "SPIN_UP": spin, "FREQUENCIES": frequencies(runner), "FOUR_BAR": four_bar,
-        "SUSPENSION": vehicles[0], "VEHICLE": vehicles[1], "BASES": arms,
+        "SUSPENSION": vehicles[0], "VEHICLE": vehicles[1], "BASES": arms, "BASES_VEHICLE": cars,
+        "LUMPED": lumped(runner),
     }  # fmt: skip
     for name, part in parts.items():
         text = text.replace(f"[{name}]\n", part)

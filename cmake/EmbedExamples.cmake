@@ -3,7 +3,8 @@
 function(mimbre_embed_examples target)
   set(files "")
   foreach(name iltis/vehicle.yaml iltis/suspension.yaml iltis/corner.yaml double-four-bar/mechanism.yaml
-               spin-up-beam/beam-2d.yaml spin-up-beam/beam-3d.yaml)
+               spin-up-beam/beam-2d.yaml spin-up-beam/beam-3d.yaml
+               solid-arm/suspension.yaml solid-arm/arm.msh)
     set(path ${PROJECT_SOURCE_DIR}/examples/${name})
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${path})
     file(READ ${path} text)

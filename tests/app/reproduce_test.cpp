@@ -58,7 +58,7 @@ TEST_F(Reproduce, NamesItsTables) {
                                           "coordinates-vehicle", "cpu-double-four-bar", "cpu-suspension",
                                           "cpu-vehicle", "cpu-inertia", "accuracy", "real-time", "energy",
                                           "spin-up-plane", "spin-up-substructures", "spin-up-stiffness",
-                                          "spin-up-foreshortening"}));
+                                          "spin-up-foreshortening", "bases-solid-arm", "bases-vehicle"}));
   for (const std::string& name : names) EXPECT_THAT(run({"reproduce", "--list"}).out, HasSubstr(name));
 }
 
@@ -112,6 +112,29 @@ TEST_F(Reproduce, TimesAreMeasuredAndCompared) {
   const json quotient = of(list, "natural over relative, 5");
   EXPECT_NEAR(quotient.at("published"), 15.22 / 20.92, 1e-12);
   EXPECT_EQ(quotient.at("unit"), "1");
+}
+
+/// Errors against 64 modes: all bases converge, those with inertia's deflections at once; the fewest modes
+/// are combinations.
+TEST_F(Reproduce, ComparesBasesOnTheSolidArm) {
+  const json list = rows({"bases-solid-arm"});
+  EXPECT_EQ(list.size(), 2u * 6 * 4);
+  const auto number = [&](const std::string& series, const std::string& what, const std::string& size) {
+    return of(list, fmt::format("{}, {}, {}", series, what, size)).at("ours").number();
+  };
+  const std::string attachment = "eigenmodes with attachment modes",
+                    truncation = "modal truncation augmentation";
+  for (const std::string& series : {std::string("Craig–Bampton"), attachment}) {
+    EXPECT_EQ(number(series, "modes", "smallest"), 18);
+    EXPECT_EQ(number(series, "modes", "large"), 28);
+    EXPECT_LT(number(series, "error", "large"), 0.1 * number(series, "error", "smallest"));
+  }
+  for (const std::string& series : {truncation, std::string("free interface"), std::string("Krylov")}) {
+    EXPECT_EQ(number(series, "modes", "smallest"), 24);
+    EXPECT_LT(number(series, "error", "smallest"), 1e-5);
+  }
+  EXPECT_LE(number("proper orthogonal", "modes", "large"), 6);
+  EXPECT_LT(number("proper orthogonal", "error", "large"), 0.5);
 }
 
 TEST_F(Reproduce, PrintsTablesForPeople) {

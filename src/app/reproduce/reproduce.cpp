@@ -202,11 +202,13 @@ Command add_reproduce(CommandLine& program) {
   const Option json = parser.add_flag("--json", arguments->json, "The rows as JSON");
   parser.add_flag("--markdown", arguments->markdown, "The tables in Markdown").excludes(json);
   parser.footer(
-      "Reruns what the tables in chapters 2 and 3 of U. Lugris' doctoral thesis (2008) are of, with models "
+      "Reruns what the tables in chapters 2 to 4 of U. Lugris' doctoral thesis (2008) are of, with models "
       "that are\n"
-      "built into the program. Times are CPU seconds of the steps, the least of at least three runs. Ratios "
-      "are ours\n"
-      "over published. All tables take a few minutes; what they show is in docs/reproduction.md.\n"
+      "built into the program, and compares the bases of modes that its chapter 1 surveys. Times are CPU "
+      "seconds\n"
+      "of the steps, the least of at least three runs. Ratios are ours over published. All tables take some "
+      "minutes;\n"
+      "what they show is in docs/reproduction.md.\n"
       "Example:\n  mimbre reproduce --table coordinates-vehicle --table energy");
   return {parser, [arguments] { return run_reproduce(*arguments); }};
 }

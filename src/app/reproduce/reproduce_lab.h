@@ -36,6 +36,7 @@ struct LongestStep {
 /// std::runtime_error with the reason, an interrupt Failure.
 class Lab {
  public:
+  const ExampleFolder& examples() const { return examples_; }
   Counts counts(const Case& c);
   /// CPU seconds of the steps: the least of a few runs.
   double cpu_seconds(const Case& c);

@@ -8,7 +8,7 @@
 #include "app/reproduce/reproduce_rows.h"
 
 /// The tables of U. Lugrís' doctoral thesis (Universidade da Coruña, 2008), chapters 2 and 3; chapter 4 is in
-/// reproduce_deflections.cpp.
+/// reproduce_deflections.cpp, the bases of chapter 1 in reproduce_bases.cpp.
 namespace mimbre::app {
 namespace {
 
@@ -299,6 +299,7 @@ const std::vector<PublishedTable>& published_tables() {
         {"energy", "Energy lost by the numerics, trapezoidal rule, 10 ms (2.9.1, 2.9.2)", energy},
     };
     for (const PublishedTable& table : deflection_tables()) all.push_back(table);
+    for (const PublishedTable& table : basis_tables()) all.push_back(table);
     return all;
   }();
   return tables;

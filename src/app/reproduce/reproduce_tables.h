@@ -28,5 +28,7 @@ struct PublishedTable {
 const std::vector<PublishedTable>& published_tables();
 /// Those among them of chapter 4.
 std::vector<PublishedTable> deflection_tables();
+/// And those of the bases that chapter 1 surveys.
+std::vector<PublishedTable> basis_tables();
 
 }  // namespace mimbre::app
