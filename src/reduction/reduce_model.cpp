@@ -358,7 +358,7 @@ Shapes add_truncated(const FeMatrices& matrices, const ModelReduction& options, 
 /// For the sum of the modes: what those beside the static ones are.
 std::string attached_text(const ModelReduction& options, Index eigenmodes) {
   if (options.basis == ModelReduction::Basis::attachment) return "with the first interface held";
-  return fmt::format("of inertia and {} with the first interface held", eigenmodes);
+  return fmt::format("({} with the first interface held, the others of inertia)", eigenmodes);
 }
 
 /// For the sum of the modes.
