@@ -27,6 +27,7 @@ TERMS = (
     "coriolis_body",
 )
 COLOURS = ("#06c", "#c40", "#090", "#a0a", "#860", "#444", "#0aa", "#c08")
+GLOBAL_MODES = "--formalism global_modes"
 ROD_FREQUENCY = (math.pi / 0.3) ** 2 * math.sqrt(2.1e11 * 0.003**2 / 4 / 7850)  # rad/s, of the rod between two pins
 
 
@@ -35,6 +36,7 @@ class Way:
     name: str
     settings: dict[str, object] = field(default_factory=dict)
     extra: str = ""  # of the model file
+    options: str = ""  # of the run
 
 
 @dataclass
@@ -61,7 +63,7 @@ class Runner:
         table = self.folder / "run.csv"
         table.unlink(missing_ok=True)
         command = [self.program, "run", str(self.wrapped(file, way.extra + extra)), "-q", "--json"]
-        command += ["--csv", str(table), *options.split()]
+        command += ["--csv", str(table), *options.split(), *way.options.split()]
         for name, value in way.settings.items():
             command += ["--set", f"{name}={value}"]
         done = subprocess.run(command, capture_output=True, text=True)
@@ -160,6 +162,7 @@ def slider_crank(runner: Runner) -> tuple[str, str]:
         Way("floating frame", {"approach": "floating_frame"}),
         Way("with geometric stiffness", {"approach": "geometric_stiffness"}),
         Way("elastodynamics", {"approach": "elastodynamics"}),
+        Way("global modes", {"approach": "floating_frame"}, options=GLOBAL_MODES),
         Way("4 segments", {"approach": "segments", "elements": 4}),
         Way("16 segments", {"approach": "segments", "elements": 16}),
         Way("corotational, 4 elements", {"approach": "corotational", "elements": 4}),
@@ -320,6 +323,7 @@ def page(runner: Runner, folder: pathlib.Path) -> str:
             Way("floating frame", bars),
             Way("without inertia terms", bars, without_terms()),
             Way("elastodynamics", {**bars, "flexibility": "elastodynamics"}),
+            Way("global modes", bars, options=GLOBAL_MODES),
             Way("rigid", {"flexible_bars": 0}),
         ],
         "--until 2",
@@ -333,6 +337,7 @@ def page(runner: Runner, folder: pathlib.Path) -> str:
                 Way("floating frame"),
                 Way("without inertia terms", {}, without_terms()),
                 Way("elastodynamics", {"flexibility": "elastodynamics"}),
+                Way("global modes", options=GLOBAL_MODES),
                 Way("rigid", rigid),
             ],
             "",

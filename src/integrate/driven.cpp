@@ -26,13 +26,20 @@ void DrivenCoordinates::accelerate(double time, const double* q, const double* v
   for (const int k : system_.driven_coordinates()) a[k] = x_[k];
 }
 
+double DrivenCoordinates::correction(const Eigen::VectorXd& x, int* where) {
+  if (!any()) return system_.scales().of_coordinates(x.data(), where);
+  change_ = x;
+  for (const int k : system_.driven_coordinates()) change_[k] = 0;
+  return system_.scales().of_coordinates(change_.data(), where);
+}
+
 void DrivenCoordinates::follow(double time, const double* q, const Eigen::VectorXd& change,
-                               const double* impulse, Eigen::VectorXd& target) {
+                               const double* impulse, Eigen::VectorXd& target, bool again) {
   if (!any()) return;
   // Residuals are linear in accelerations and multipliers.
   change_ = change;
   for (const int k : system_.driven_coordinates()) change_[k] = 0;
-  system_.residual(time, q, none_.data(), none_.data(), none_.data(), 0, without_.data());
+  if (!again) system_.residual(time, q, none_.data(), none_.data(), none_.data(), 0, without_.data());
   system_.residual(time, q, none_.data(), change_.data(), impulse, 0, r_.data());
   r_ -= without_;
   solve(r_);

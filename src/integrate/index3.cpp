@@ -291,7 +291,7 @@ bool IndexThree::find_correction(Attempt& t) {
   for (int k = 0; k < n; ++k) r_[k] *= -motion_.scale;
   system_.solve(r_.data());
   system_.jacobian_times(r_.data(), impulse_.data());
-  t.status.correction = scales_.of_coordinates(r_.data(), &t.status.coordinate);
+  t.status.correction = motion_.driven.correction(r_, &t.status.coordinate);
   return true;
 }
 
@@ -332,7 +332,7 @@ void IndexThree::project_velocities(Attempt& t) {
   }
   if (motion_.driven.any()) {
     r_ = v - unprojected_;
-    motion_.driven.follow(t.time, motion_.q.data(), r_, force_.data(), v);
+    motion_.driven.follow(t.time, motion_.q.data(), r_, force_.data(), v, false);
     evaluate();
   }
   unprojected_ -= v;
@@ -366,7 +366,7 @@ void IndexThree::project_accelerations(Attempt& t) {
     project(a.data(), system_.phi_ddot(), options_.acceleration_tolerance * t.accelerations);
     lambda_ += force_;
     r_ = a - unprojected_;
-    motion_.driven.follow(t.time, motion_.q.data(), r_, force_.data(), a);
+    motion_.driven.follow(t.time, motion_.q.data(), r_, force_.data(), a, true);
     // What comes after the step looks at the last evaluation.
     if (motion_.driven.any())
       system_.residual(t.time, motion_.q.data(), motion_.v.data(), a.data(), lambda_.data(), 0, r_.data());
