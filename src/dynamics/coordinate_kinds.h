@@ -16,6 +16,7 @@ struct CoordinateKinds {
     bool linear = true;  ///< the elastic forces are those of this stiffness
   };
   std::vector<Body> bodies;
+  std::vector<int> drives;  ///< equations that prescribe one coordinate, with a constant Jacobian
 };
 
 }  // namespace mimbre

@@ -113,6 +113,14 @@ class System {
   /// What the coordinates are, for formalisms that make tables of them; none: they are of another kind. It
   /// allocates, so not in a step.
   virtual CoordinateKinds coordinate_kinds() const { return {}; }
+  /// Likewise: r of inertia and weight alone, without force elements, loads and multipliers.
+  virtual Eigen::VectorXd unloaded_residual(double, const Eigen::VectorXd& q, const Eigen::VectorXd&,
+                                            const Eigen::VectorXd&) {
+    return Eigen::VectorXd::Zero(q.size());
+  }
+  /// Likewise: generalised forces (as columns) of unit forces and moments at all places where force elements,
+  /// loads, contacts and tyres may act, whether or not they do.
+  virtual Eigen::MatrixXd element_loads(double, const Eigen::VectorXd&) { return {}; }
 
   /// Whether forces go by accelerations: loads of inertia that stiffen bodies.
   virtual bool has_loads_of_inertia() const = 0;

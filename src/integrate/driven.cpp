@@ -26,13 +26,6 @@ void DrivenCoordinates::accelerate(double time, const double* q, const double* v
   for (const int k : system_.driven_coordinates()) a[k] = x_[k];
 }
 
-double DrivenCoordinates::correction(const Eigen::VectorXd& x, int* where) {
-  if (!any()) return system_.scales().of_coordinates(x.data(), where);
-  change_ = x;
-  for (const int k : system_.driven_coordinates()) change_[k] = 0;
-  return system_.scales().of_coordinates(change_.data(), where);
-}
-
 void DrivenCoordinates::follow(double time, const double* q, const Eigen::VectorXd& change,
                                const double* impulse, Eigen::VectorXd& target, bool again) {
   if (!any()) return;

@@ -16,10 +16,6 @@ class DrivenCoordinates {
   /// Their part of the accelerations `a`: by the forces of the others, with the factorised matrix.
   void accelerate(double time, const double* q, const double* v, const double* multipliers, double* a);
 
-  /// The largest of a correction's other coordinates by their scales, and which one it is: nothing depends on
-  /// the driven ones, which are as exact after an iteration as the others were before it.
-  double correction(const Eigen::VectorXd& x, int* where);
-
   /// `target`, velocities or accelerations, has changed by `change`, which constraints did by `impulse`: adds
   /// what the driven ones do by that, M δ + Φzᵀ impulse = 0. Leaves the system evaluated elsewhere. `again`:
   /// the last call was at the same time and positions.

@@ -291,7 +291,7 @@ bool IndexThree::find_correction(Attempt& t) {
   for (int k = 0; k < n; ++k) r_[k] *= -motion_.scale;
   system_.solve(r_.data());
   system_.jacobian_times(r_.data(), impulse_.data());
-  t.status.correction = motion_.driven.correction(r_, &t.status.coordinate);
+  t.status.correction = scales_.of_coordinates(r_.data(), &t.status.coordinate);
   return true;
 }
 

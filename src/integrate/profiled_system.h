@@ -89,6 +89,13 @@ class ProfiledSystem final : public System {
   }
   void compose(double* x, const double* d) const override { system_.compose(x, d); }
   CoordinateKinds coordinate_kinds() const override { return system_.coordinate_kinds(); }
+  Eigen::VectorXd unloaded_residual(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                                    const Eigen::VectorXd& a) override {
+    return system_.unloaded_residual(t, q, v, a);
+  }
+  Eigen::MatrixXd element_loads(double t, const Eigen::VectorXd& q) override {
+    return system_.element_loads(t, q);
+  }
   std::span<const int> driven_coordinates() const override { return system_.driven_coordinates(); }
   bool has_loads_of_inertia() const override { return system_.has_loads_of_inertia(); }
   void add_loads_of_inertia(const double* q, const double* a, double* r) override {

@@ -147,6 +147,108 @@ TEST(GlobalModes, SuspensionMovesAlike) {
   }
 }
 
+/// A door on a hinge and a ball: what the ball adds are equations that see nothing but round-off.
+TEST(GlobalModes, RedundantHingesAreNoDrives) {
+  const auto model = model_of(R"(
+gravity: [0, 0, -9.81]
+bodies:
+  door: {mass: 10, com: [0.4, 0, 1], inertia: [3, 3.5, 0.6]}
+joints:
+  h1: {type: revolute, between: [ground, door], at: [0.123, 0.456, 0.2], axis: [0.31, 0.47, 0.9], velocity: [1]}
+  h2: {type: spherical, between: [ground, door], at: [0.65, 1.255, 1.73]}
+outputs:
+  - {name: a, joint: h1}
+)");
+  const std::vector<double> exact = history(model, Formalism::index3, 5e-4, "a", 0.5, 0.01),
+                            found = history(model, Formalism::global_modes, 5e-4, "a", 0.5, 0.01);
+  EXPECT_LT(difference(found, exact), 1e-4 * range(exact));
+}
+
+/// A flexible frame in two bearings: θ is its only joint coordinate, and the bearings hold some of its modes.
+TEST(GlobalModes, FlexibleFramesTurnInTwoBearings) {
+  const auto model = model_of(R"(
+gravity: [0, -3, -9.81]
+materials:
+  steel: {young: 2.1e11, poisson: 0.3, density: 7850}
+sections:
+  round: {type: round, diameter: 0.01}
+bodies:
+  door:
+    frame: {at: [0.1, 0, 0.2]}
+    flexible:
+      material: steel
+      section: round
+      nodes: {p: [0.1, 0, 0.2], e: [0.4, 0, 0.2], f: [0.4, 0, 1.2], q: [0.1, 0, 1.2]}
+      bars: {b1: {from: p, to: e}, b2: {from: e, to: f}, b3: {from: f, to: q}}
+      clamped: [p]
+      static_modes: [{node: q, all: true}, {node: f, all: true}]
+      stiffness_damping: 1e-3
+joints:
+  h1: {type: revolute, between: [ground, door], at: [0.1, 0, 0.2], axis: [0, 0, 1], velocity: [2]}
+  h2: {type: revolute, between: [ground, door], at: [0.1, 0, 1.2], axis: [0, 0, 1]}
+outputs:
+  - {name: a, joint: h1}
+  - {name: f, deflection: door.f, along: [1, 0, 0]}
+)");
+  for (const char* name : {"a", "f"}) {
+    const std::vector<double> exact = history(model, Formalism::index3, 5e-4, name, 0.5, 0.01),
+                              found = history(model, Formalism::global_modes, 5e-4, name, 0.5, 0.01);
+    EXPECT_LT(difference(found, exact), 0.02 * range(exact)) << name;
+  }
+}
+
+/// A load across the plane of a four-bar that comes later than the table has been made.
+TEST(GlobalModes, LoadsThatComeLaterBendAlike) {
+  const auto model = model_of(R"yaml(
+gravity: [0, 0, -9.81]
+materials:
+  steel: {young: 2.1e11, poisson: 0.3, density: 7850}
+sections:
+  round: {type: round, diameter: 0.01}
+bodies:
+  crank: {mass: 0.5, com: [0, 0, 0.1], inertia: [0.002, 0.002, 0.0001]}
+  rod:
+    frame: {at: [0, 0, 0.2]}
+    flexible:
+      material: steel
+      section: round
+      nodes: {p: [0, 0, 0.2], q: [0.5, 0, 0.4], mid: {on: [bar, 0.5]}}
+      bars: {bar: {from: p, to: q, elements: 6}}
+      clamped: [p]
+      static_modes: [{node: q, all: true}, {node: mid, along: [0, 1, 0], name: side}]
+      dynamic_modes: 2
+      stiffness_damping: 1e-3
+  rocker: {mass: 0.5, com: [0.5, 0, 0.2], inertia: [0.005, 0.005, 0.0001]}
+joints:
+  a: {type: revolute, between: [ground, crank], at: [0, 0, 0], axis: [0, 1, 0], velocity: [3]}
+  b: {type: revolute, between: [crank, rod], at: [0, 0, 0.2], axis: [0, 1, 0]}
+  c: {type: spherical, between: [rod, rocker], at: [0.5, 0, 0.4]}
+  d: {type: revolute, between: [ground, rocker], at: [0.5, 0, 0], axis: [0, 1, 0]}
+loads:
+  push: {on: rod.mid, force: [0, 20, 0], scale: "t < 0.1 ? 0 : (t < 0.2 ? (t - 0.1)*10 : 1)"}
+outputs:
+  - {name: y, deflection: rod.mid, along: [0, 1, 0]}
+)yaml");
+  const std::vector<double> exact = history(model, Formalism::index3, 5e-4, "y", 0.4, 0.01),
+                            found = history(model, Formalism::global_modes, 5e-4, "y", 0.4, 0.01);
+  EXPECT_GT(range(exact), 1e-4);
+  EXPECT_LT(difference(found, exact), 0.02 * range(exact));
+}
+
+/// What the validity monitor sees of joint forces.
+TEST(GlobalModes, WarnOfLoadsBeyondLinearTheory) {
+  const auto warned = [](Formalism formalism) {
+    Simulation s = simulation(example("slider-crank/slider-crank.yaml", {{"speed", "60"}}), formalism, 2e-4);
+    run_to(s, 0.2);
+    for (const Validity& body : s.validity())
+      if (body.body == "rod") return body.tension.value;
+    return 0.;
+  };
+  const double exact = warned(Formalism::index3), found = warned(Formalism::global_modes);
+  EXPECT_GT(exact, 0.1);
+  EXPECT_NEAR(found, exact, 0.5 * exact);
+}
+
 /// What has no table says why, and where.
 TEST(GlobalModes, RefuseWhatHasNoTable) {
   const auto message = [](const std::shared_ptr<const Model>& model, const RunOptions& asked = {}) {

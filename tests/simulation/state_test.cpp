@@ -22,7 +22,8 @@ using Integrator = spec::Simulation::Integrator;
 struct Mechanism {
   const char* name;
   std::function<std::shared_ptr<const Model>()> make;
-  int latest = 40;  ///< step after which the state is saved, at most
+  int latest = 40;         ///< step after which the state is saved, at most
+  bool has_tables = true;  ///< global modes are for it, in relative coordinates
 
   friend void PrintTo(const Mechanism& mechanism, std::ostream* out) { *out << mechanism.name; }
 };
@@ -88,9 +89,9 @@ const std::vector<Mechanism>& mechanisms() {
       {"pendulum", [] { return example("pendulum/flexible.yaml"); }},
       {"loaded_four_bar", loaded_four_bar},
       {"controlled_four_bar", controlled_four_bar},
-      {"geared_four_bar", geared_four_bar},
+      {"geared_four_bar", geared_four_bar, 40, false},
       {"thrown", thrown},
-      {"every_constraint", every_constraint},
+      {"every_constraint", every_constraint, 40, false},
       {"die_and_ball", die_and_ball, 200},
       {"sampled_arm", sampled_arm, 200},
       {"geometric_stiffness",
@@ -113,7 +114,8 @@ const std::vector<Mechanism>& mechanisms() {
          o.loops = 2;
          o.springs = o.damping = o.drives = true;
          return random_mechanism(5, o).model;
-       }},
+       },
+       40, false},
   };
   return all;
 }
@@ -170,6 +172,9 @@ TEST_P(SavedState, GoesOnWithTheSameBitsByEveryMethod) {
         options.formalism = static_cast<Formalism>(formalism);
         options.integrator = static_cast<Integrator>(integrator);
         if (is_runge_kutta(*options.integrator) && options.formalism != Formalism::index3) continue;
+        if (options.formalism == Formalism::global_modes &&
+            (options.formulation == Formulation::natural || !GetParam().has_tables))
+          continue;
         SCOPED_TRACE(fmt::format("{} {} {}", method_names::formulations[formulation],
                                  method_names::formalisms[formalism], method_names::integrators[integrator]));
         Simulation a(model, options);
@@ -187,7 +192,7 @@ TEST_P(SavedState, GoesOnWithTheSameBitsByEveryMethod) {
         ASSERT_TRUE(course(b, after) == straight) << "in another simulation, after " << before << " steps";
         ++made;
       }
-  EXPECT_EQ(made, 56);
+  EXPECT_EQ(made, GetParam().has_tables ? 60 : 56);
 }
 
 TEST(SavedState, OfAnotherModelOrMethodIsRefused) {

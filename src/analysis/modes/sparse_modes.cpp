@@ -66,8 +66,9 @@ MatrixXcd left_vectors(const linalg::ConstrainedPencil& pencil, const linalg::Co
     transposed =
         linalg::lowest_modes({pencil.M.transpose(), pencil.C.transpose(), pencil.K.transpose(), pencil.J},
                              static_cast<int>(count + found.rigid.cols()));
-  const bool differ = transposed.ok && transposed.values.size() >= count;
-  const linalg::ConstrainedModes& by = differ ? transposed : found;
+  if (!found.symmetric && (!transposed.ok || transposed.values.size() < count))
+    return MatrixXcd::Zero(2 * n, count);
+  const linalg::ConstrainedModes& by = found.symmetric ? found : transposed;
   const VectorXcd lambda = by.values.head(count);
   const MatrixXcd y = by.vectors.leftCols(count), My = pencil.M.transpose().cast<std::complex<double>>() * y,
                   Cy = pencil.C.transpose().cast<std::complex<double>>() * y;

@@ -1,5 +1,9 @@
 #include "dynamics/coordinate_kinds.h"
 
+#include <set>
+#include <utility>
+
+#include "dynamics/relative/evaluation.h"
 #include "dynamics/relative/system.h"
 #include "joints/joint_kind.h"
 
@@ -31,6 +35,47 @@ CoordinateKinds RelativeSystem::coordinate_kinds() const {
     body.linear = f.ancf.empty() && !f.nonlinear_stiffness;
     out.bodies.push_back(std::move(body));
   }
+  for (const DriveData& d : model_.drives) out.drives.push_back(d.equation);
+  return out;
+}
+
+Eigen::VectorXd RelativeSystem::unloaded_residual(double t, const Eigen::VectorXd& q,
+                                                  const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
+  evaluate_motion<double>(model_, work_, t, q.data(), v.data(), a.data());
+  return residual_of_wrenches(q, v, a, -1, 0);
+}
+
+Eigen::VectorXd RelativeSystem::residual_of_wrenches(const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                                                     const Eigen::VectorXd& a, int frame, int direction) {
+  for (auto& wrench : work_.wrenches) {
+    wrench.force.setZero();
+    wrench.moment.setZero();
+  }
+  if (frame >= 0) {
+    auto& wrench = work_.wrenches[static_cast<std::size_t>(frame)];
+    (direction < 3 ? wrench.force : wrench.moment)[direction % 3] = 1;
+  }
+  Eigen::VectorXd r = Eigen::VectorXd::Zero(model_.velocities);
+  relative::residual<double>(model_, work_, q.data(), v.data(), a.data(), r.data());
+  return r;
+}
+
+Eigen::MatrixXd RelativeSystem::element_loads(double t, const Eigen::VectorXd& q) {
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(model_.velocities);
+  std::set<std::pair<int, int>> wrenches;  // frame, direction
+  std::set<int> coordinates;
+  for (const ElementData& e : model_.elements) {
+    if (e.body >= 0) coordinates.insert(e.v);
+    for (const int frame : {e.frame_a, e.frame_b})
+      if (e.body < 0 && frame >= 0 && frame < std::ssize(work_.wrenches))
+        for (int k = 0; k < (has_moment(e.measure) ? 6 : 3); ++k) wrenches.emplace(frame, k);
+  }
+  Eigen::MatrixXd out(model_.velocities, static_cast<Eigen::Index>(wrenches.size() + coordinates.size()));
+  const Eigen::VectorXd unloaded = unloaded_residual(t, q, none, none);
+  Eigen::Index column = 0;
+  for (const auto& [frame, direction] : wrenches)
+    out.col(column++) = unloaded - residual_of_wrenches(q, none, none, frame, direction);
+  for (const int k : coordinates) out.col(column++) = Eigen::VectorXd::Unit(model_.velocities, k);
   return out;
 }
 

@@ -58,6 +58,9 @@ class RelativeSystem final : public System {
   void compose(double* x, const double* d) const override;
   std::span<const int> driven_coordinates() const override { return driven_; }
   CoordinateKinds coordinate_kinds() const override;
+  Eigen::VectorXd unloaded_residual(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                                    const Eigen::VectorXd& a) override;
+  Eigen::MatrixXd element_loads(double t, const Eigen::VectorXd& q) override;
   bool has_loads_of_inertia() const override;
   void add_loads_of_inertia(const double* q, const double* a, double* r) override;
 
@@ -71,6 +74,10 @@ class RelativeSystem final : public System {
   const Workspace<double>& workspace() const { return work_; }
 
  private:
+  /// After an evaluation of the motion: r of inertia, weight and a unit force (direction 0 to 2) or moment (3
+  /// to 5) at a frame; −1: none.
+  Eigen::VectorXd residual_of_wrenches(const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                                       const Eigen::VectorXd& a, int frame, int direction);
   linalg::FactorStatus factor_by_bodies(const double* q, const MatrixWeights& weights);
 
   const Compiled& model_;

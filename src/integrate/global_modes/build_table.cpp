@@ -158,10 +158,11 @@ FixedLoop Builder::fixed_at(const VectorXd& q) const {
   const MatrixXd Je = probe_.jacobian()(loop_.equations, table_.amplitude);
   for (std::size_t k = 0; k < joints.size(); ++k) Jz.col(static_cast<Index>(k)) *= probe_.scale()[joints[k]];
   FixedLoop fixed;
-  fixed.follow = -shortest_solution(Jz, Je, dependent);
+  fixed.follow = joints.empty() ? MatrixXd(0, Je.cols()) : MatrixXd(-shortest_solution(Jz, Je, dependent));
   for (std::size_t k = 0; k < joints.size(); ++k)
     fixed.follow.row(static_cast<Index>(k)) *= probe_.scale()[joints[k]];
-  const MatrixXd left = null_space(Jz.transpose(), dependent);
+  const MatrixXd left = joints.empty() ? MatrixXd(MatrixXd::Identity(Je.rows(), Je.rows()))
+                                       : null_space(Jz.transpose(), dependent);
   MatrixXd D = left.transpose() * Je;
   for (Index k = 0; k < D.cols(); ++k)
     D.col(k) *= probe_.scale()[table_.amplitude[static_cast<std::size_t>(k)]];
@@ -212,7 +213,7 @@ MatrixXd Builder::random_loads(const VectorXd& q, int number) const {
         v[c] = speed * along * random(load, 0, 3);
         a[c] = acceleration * along * random(load, 0, 4);
       }
-    loads.col(load) = -probe_.residual(probe_.moved(q, x), v, a);
+    loads.col(load) = -probe_.unloaded_residual(probe_.moved(q, x), v, a);
   }
   return loads;
 }
@@ -245,12 +246,21 @@ void Builder::choose_modes() {
     const double theta = first_ + (last_ - first_) * (k + 0.5) / load_places;
     const VectorXd q = place(theta);
     FixedLoop fixed = fixed_at(q);
-    const MatrixXd r = random_loads(q, k);
+    const MatrixXd inertia = random_loads(q, k), elements = probe_.element_loads(q);
+    MatrixXd r(inertia.rows(), inertia.cols() + elements.cols());
+    r << inertia, elements;
     std::vector<int> joints = table_.plain;
     for (const int first : table_.rotation)
       for (int c = 0; c < 3; ++c) joints.push_back(first + c);
     const MatrixXd loads = r(table_.amplitude, Eigen::all) + fixed.follow.transpose() * r(joints, Eigen::all);
-    const MatrixXd bent = freed(fixed, inverse_ * loads);
+    const MatrixXd unconstrained = inverse_ * loads;
+    MatrixXd bent = freed(fixed, unconstrained);
+    // Each by itself, whatever its size; what the equations do not let bend is round-off.
+    for (Index c = 0; c < bent.cols(); ++c) {
+      const double all = unconstrained.col(c).dot(K_ * unconstrained.col(c)),
+                   left = bent.col(c).dot(K_ * bent.col(c));
+      bent.col(c) *= left > 1e-16 * all ? 1 / std::sqrt(left) : 0;
+    }
     deflections.conservativeResize(n, deflections.cols() + bent.cols());
     deflections.rightCols(bent.cols()) = bent;
     if (k == load_places / 2) dynamic = eigenmodes(q, fixed);
@@ -276,12 +286,13 @@ void Builder::choose_modes() {
     kept.rightCols(1) = x.normalized();
   }
   basis_ = factor.solve_upper(kept);
+  table_.modes = static_cast<int>(basis_.cols());
+  table_.measure = basis_.transpose() * K_;
+  if (table_.modes == 0) return;
   for (const FixedLoop& fixed : places)
     constant_ = constant_ &&
                 (fixed.resisted.rows() == 0 ||
                  (basis_ - freed(fixed, basis_)).cwiseAbs().maxCoeff() < 1e-9 * basis_.cwiseAbs().maxCoeff());
-  table_.modes = static_cast<int>(basis_.cols());
-  table_.measure = basis_.transpose() * K_;
   if (constant_) table_.shapes = basis_;
 }
 
@@ -347,6 +358,8 @@ LoopTable Builder::build() {
     table_.violation = violation_between(places);
     if (table_.violation < options_.violation || 2 * places - 1 > options_.most_places) break;
   }
+  if (table_.violation > options_.most_violation)
+    throw NoGlobalModes("between the places of its table its loop is open", table_.coordinate);
   return std::move(table_);
 }
 

@@ -17,6 +17,8 @@ namespace {
 /// Corrections that shrink by less than this from one to the next ask for another matrix. An evaluation costs
 /// about as much as a matrix.
 constexpr double slow_by_matrix = 0.3;
+/// Of the scales of coordinates, between a state and the table.
+constexpr double furthest_off = 0.1;
 }  // namespace
 
 GlobalModesStepper::GlobalModesStepper(System& system, const IntegratorOptions& options)
@@ -25,7 +27,6 @@ GlobalModesStepper::GlobalModesStepper(System& system, const IntegratorOptions& 
 }
 
 void GlobalModesStepper::set_step(double step) {
-  if (step != options_.step) kept_ = false;
   options_.step = step;
   motion_.set_step(step);
   weights_ = {motion_.rate * motion_.scale, motion_.scale, 0};
@@ -41,6 +42,8 @@ bool GlobalModesStepper::prepare(const State& state) {
   for (std::size_t k = 0; k < system_.scales().is_rate.size(); ++k)
     if (system_.scales().is_rate[k])
       throw NoGlobalModes("a constraint on velocities has no place in a table", -1, static_cast<int>(k));
+  tables_.clear();
+  free_.clear();
   system_.begin_step(state.q.data());
   global_modes::Probe probe(system_, state.time);
   probe.evaluate(state.q);
@@ -133,6 +136,20 @@ void GlobalModesStepper::read_start(const State& s) {
   }
 }
 
+/// A coordinate that is not where the table has it: the state is that of another assembly. −1: none.
+int GlobalModesStepper::find_off_table(const State& s) const {
+  const std::vector<double>& scale = system_.scales().coordinates;
+  for (const OfLoop& loop : loops_) {
+    const LoopTable& t = loop.motion.table();
+    if (!t.holds(start_delta_[loop.first])) return t.coordinate;
+    for (std::size_t k = 0; k < t.plain.size(); ++k)
+      if (!(std::abs(motion_.q[t.plain_position[k]] - s.q[t.plain_position[k]]) <=
+            furthest_off * scale[static_cast<std::size_t>(t.plain[k])]))
+        return t.plain[k];
+  }
+  return -1;
+}
+
 /// x for constant accelerations, without what should not be extrapolated of modes.
 void GlobalModesStepper::predict() {
   const RuleCoefficients& c = motion_.rule;
@@ -155,11 +172,11 @@ void GlobalModesStepper::predict() {
   for (const OfLoop& loop : loops_) loop.motion.amplitude_rates(full_.data(), x_.data() + loop.first + 1);
 }
 
-bool GlobalModesStepper::expand(const State& s, StepStatus& status) {
+bool GlobalModesStepper::expand(const State& s, bool driven, StepStatus& status) {
   const RuleCoefficients& c = motion_.rule;
   const double h = motion_.h, i = 1 / (c.beta * h * h), rest = (0.5 - c.beta) / c.beta;
   for (Index k = 0; k < size_; ++k) {
-    if (prescribed_[static_cast<std::size_t>(k)]) continue;
+    if (driven && prescribed_[static_cast<std::size_t>(k)]) continue;
     w_[k] = i * (x_[k] - h * start_v_[k]) - rest * start_w_[k];
     v_[k] = start_v_[k] + h * ((1 - c.gamma) * start_w_[k] + c.gamma * w_[k]);
     a_[k] = ((1 - c.alpha_m) * w_[k] + c.alpha_m * start_w_[k] - c.alpha_f * start_a_[k]) / (1 - c.alpha_f);
@@ -255,6 +272,7 @@ void GlobalModesStepper::refactor(StepStatus& status) {
       matrix_(k, k) = 1;
     }
   factor_.compute(matrix_);
+  matrix_step_ = options_.step;
 }
 
 /// The correction of y by r, and in `delta_` what that is of all coordinates.
@@ -289,20 +307,25 @@ StepStatus GlobalModesStepper::step(State& s) {
     return status;
   };
   system_.begin_step(s.q.data());
-  if (!s.started) kept_ = false;  // the start assembles another matrix
+  // The start assembles another matrix.
+  if (!s.started || matrix_step_ != options_.step) kept_ = false;
   if (const StepCode code = motion_.begin(s, status); code != StepCode::ok) return fail(code);
   read_start(s);
+  if (const int off = find_off_table(s); off >= 0) {
+    status.coordinate = off;
+    return fail(StepCode::beyond_table);
+  }
   predict();
-  if (!expand(s, status)) return fail(StepCode::beyond_table);
+  if (!expand(s, false, status)) return fail(StepCode::beyond_table);
   if (!drives_.empty()) {
     follow_drives(s);
-    if (!expand(s, status)) return fail(StepCode::beyond_table);
+    if (!expand(s, true, status)) return fail(StepCode::beyond_table);
   }
   NewtonProgress newton;
   bool converged = false;
   for (int iteration = 0; iteration < options_.max_iterations && !converged; ++iteration) {
     ++status.iterations;
-    if (iteration > 0 && !expand(s, status)) return fail(StepCode::beyond_table);
+    if (iteration > 0 && !expand(s, true, status)) return fail(StepCode::beyond_table);
     system_.residual(s.time + motion_.h, motion_.q.data(), motion_.v.data(), motion_.a.data(), none_.data(),
                      0, r_.data());
     if (const int bad = find_not_finite(r_.data(), system_.velocities()); bad >= 0) {
@@ -318,7 +341,7 @@ StepStatus GlobalModesStepper::step(State& s) {
     converged = left <= options_.tolerance * motion_.scale * system_.scales().accelerations(motion_.a.data());
   }
   if (!converged) return fail(StepCode::not_converged);
-  if (!expand(s, status)) return fail(StepCode::beyond_table);
+  if (!expand(s, true, status)) return fail(StepCode::beyond_table);
   const double end = s.time + motion_.h;
   if (drives_.empty())
     system_.kinematics(end, motion_.q.data(), motion_.v.data(), motion_.a.data());
@@ -353,7 +376,7 @@ void GlobalModesStepper::accept(State& s) {
 
 /// The matrix itself: it is small.
 void GlobalModesStepper::transfer_matrix(StateTransfer& transfer) {
-  transfer(kept_, matrix_);
+  transfer(kept_, matrix_step_, matrix_);
   if (transfer.restoring() && kept_) factor_.compute(matrix_);
 }
 

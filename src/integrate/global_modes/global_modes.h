@@ -48,10 +48,11 @@ class GlobalModesStepper final : public Stepper {
   void choose_parts();
   void multiply(const Part& left, const Part& right);
   void read_start(const State& s);
+  int find_off_table(const State& s) const;
   void predict();
-  /// Rates and accelerations of y by the rule, and all positions, velocities and accelerations. False:
-  /// outside of a table.
-  bool expand(const State& s, StepStatus& status);
+  /// Rates and accelerations of y by the rule (`driven`: but for prescribed ones, which have theirs), and all
+  /// positions, velocities and accelerations. False: outside of a table.
+  bool expand(const State& s, bool driven, StepStatus& status);
   void follow_drives(const State& s);
   void refactor(StepStatus& status);
   bool correct(StepStatus& status);
@@ -77,7 +78,8 @@ class GlobalModesStepper final : public Stepper {
   std::vector<std::pair<std::size_t, std::size_t>> coupled_;
   Eigen::VectorXd work_, column_;
   PivotedCholesky factor_;
-  bool kept_ = false;  ///< the matrix is one of an earlier step
+  bool kept_ = false;       ///< the matrix is one of an earlier step,
+  double matrix_step_ = 0;  ///< of this length
 };
 
 }  // namespace mimbre

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 #include "integrate/global_modes/spline.h"
@@ -29,7 +30,9 @@ struct LoopTable {
   /// Velocity coordinates that follow: plain ones, rotations, amplitudes.
   int followers() const { return joints() + static_cast<int>(amplitude.size()); }
   /// θ inside the table.
-  bool holds(double theta) const { return turn > 0 || (theta >= spline.first() && theta <= spline.last()); }
+  bool holds(double theta) const {
+    return turn > 0 ? std::abs(theta) < 1e9 : theta >= spline.first() && theta <= spline.last();
+  }
 };
 
 /// The motion of a loop by its table. Allocates only when made.

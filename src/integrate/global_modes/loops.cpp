@@ -1,12 +1,16 @@
 #include "integrate/global_modes/loops.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 
 namespace mimbre::global_modes {
 
 namespace {
+
+/// Of what an equation sees of a coordinate, by their scales: less is round-off.
+constexpr double redundant = 1e-7;
 
 /// Sets that are joined: each element knows one of its set.
 class Sets {
@@ -32,10 +36,24 @@ LoopsAndDrives find_loops(const System& system, const CoordinateKinds& kinds) {
   LoopsAndDrives out;
   Sets sets(system.velocities());
   std::vector<char> joined(static_cast<std::size_t>(system.velocities()), 0);
+  const Scales& scales = system.scales();
+  const auto is_drive = [&](int equation) {
+    return std::find(kinds.drives.begin(), kinds.drives.end(), equation) != kinds.drives.end();
+  };
   const auto kind_of = [&](int k) { return kinds.kind[static_cast<std::size_t>(k)]; };
   for (const auto& [equation, entries] : by_equation) {
-    if (entries.size() == 1 && kind_of(entries[0].coordinate) == Kind::plain) {
-      out.prescribed.push_back({entries[0].coordinate, equation, entries[0].value});
+    if (entries.size() == 1) {
+      const JacobianEntry& e = entries[0];
+      const double size = std::abs(e.value) * scales.coordinates[static_cast<std::size_t>(e.coordinate)] /
+                          scales.equations[static_cast<std::size_t>(equation)];
+      if (size < redundant) continue;  // whether it holds shows at the end of each step
+      if (!is_drive(equation) || kind_of(e.coordinate) != Kind::plain)
+        throw NoGlobalModes("a constraint holds the only coordinate that it sees; make the joint fixed",
+                            e.coordinate);
+      if (std::any_of(out.prescribed.begin(), out.prescribed.end(),
+                      [&](const Prescribed& p) { return p.coordinate == e.coordinate; }))
+        throw NoGlobalModes("two drives move it", e.coordinate);
+      out.prescribed.push_back({e.coordinate, equation, e.value});
       continue;
     }
     for (const JacobianEntry& e : entries) {
@@ -60,9 +78,7 @@ LoopsAndDrives find_loops(const System& system, const CoordinateKinds& kinds) {
     (kind_of(k) == Kind::amplitude ? loop.amplitudes : loop.rigid).push_back(k);
   }
   for (const auto& [equation, entries] : by_equation)
-    if (joined[static_cast<std::size_t>(entries.front().coordinate)] &&
-        std::none_of(out.prescribed.begin(), out.prescribed.end(),
-                     [e = equation](const Prescribed& p) { return p.equation == e; }))
+    if (entries.size() > 1)
       out.loops[loop_of.at(sets.find(entries.front().coordinate))].equations.push_back(equation);
   for (const Prescribed& p : out.prescribed) {
     if (!joined[static_cast<std::size_t>(p.coordinate)]) continue;

@@ -104,14 +104,21 @@ Path follow_loop(Probe& probe, const Loop& loop, const CoordinateKinds& kinds, c
   std::vector<int> moving;
   for (const int k : loop.rigid)
     if (k != loop.prescribed) moving.push_back(k);
-  if (moving.empty() || !close(probe, loop, moving, start.q))
-    throw NoGlobalModes("without deflections its loop does not close", named);
+  const double open = probe.violations(start.q)(loop.equations).cwiseAbs().maxCoeff();
+  if (open > nearly_closed && (moving.empty() || !close(probe, loop, moving, start.q)))
+    throw NoGlobalModes(
+        "its loop cannot move, or does not close without deflections; only loops that can move "
+        "in one way have a table",
+        named >= 0 ? named : loop.amplitudes.front());
+  if (loop.rigid.empty())
+    throw NoGlobalModes("its loop cannot move; only loops that can move in one way have a table",
+                        loop.amplitudes.front());
   const MatrixXd along = ways(probe, loop, start.q);
   if (along.cols() != 1)
     throw NoGlobalModes(along.cols() == 0
                             ? "its loop cannot move; only loops that can move in one way have a table"
                             : "its loop can move in " + std::to_string(along.cols()) +
-                                  " ways; only loops that can move in one have a table",
+                                  " ways, drives among them; only loops that can move in one have a table",
                         named);
   start.tangent = along.col(0) / along.cwiseAbs().maxCoeff();
   const auto follow = [&](Place from) {

@@ -20,6 +20,12 @@ class Probe {
   const Eigen::MatrixXd& jacobian() const { return jacobian_; }
   /// r at a motion, without multipliers.
   Eigen::VectorXd residual(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a);
+  /// r of inertia and weight; generalised forces of unit forces at elements (System::element_loads).
+  Eigen::VectorXd unloaded_residual(const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                                    const Eigen::VectorXd& a) {
+    return system_.unloaded_residual(time_, q, v, a);
+  }
+  Eigen::MatrixXd element_loads(const Eigen::VectorXd& q) { return system_.element_loads(time_, q); }
   /// q moved by x (velocities × 1).
   Eigen::VectorXd moved(const Eigen::VectorXd& q, const Eigen::VectorXd& x);
   const Eigen::VectorXd& scale() const { return scale_; }  ///< of the coordinates

@@ -228,9 +228,9 @@ std::string explain(const Mechanism& mechanism, const StepReport& r, double t, c
       return explain_unstable(mechanism, r, t, stable);
     case StepReport::Code::beyond_table:
       return fmt::format(
-          "the step to t = {:.6g} s leaves the table of {}: its loop comes to a position where it could go "
-          "on "
-          "in another way; use the formalism `index3`",
+          "the step to t = {:.6g} s leaves the table of {}, which ends at a dead point, where the loop could "
+          "go "
+          "on in another way, or a turn away from the start; use the formalism `index3`",
           t, where);
     case StepReport::Code::singular:
       if (r.equation >= 0)

@@ -4,7 +4,7 @@ namespace mimbre {
 
 LoadWatch::LoadWatch(const Mechanism& mechanism, const Method& method, bool redundant)
     : step_(method.step),
-      natural_(mechanism.natural != nullptr),
+      finds_(mechanism.natural != nullptr || method.formalism == spec::Simulation::Formalism::global_modes),
       redundant_(redundant),
       reader_(mechanism.model, method.inertia),
       reactions_(reader_),
@@ -49,14 +49,14 @@ void LoadWatch::finish(ValidityMonitor& validity) {
   pending_ = false;
 }
 
-/// Performs the stage and moves on to the next; false after the last one. In relative coordinates the
-/// integrator's own multipliers are used.
+/// Performs the stage and moves on to the next; false after the last one. Where the
+/// integrator has multipliers of relative coordinates these are used.
 bool LoadWatch::advance() {
   switch (stage_) {
     case Stage::begin:
       reader_.enter(state_.u.data(), state_.z.data(), 0);
       reader_.begin_step(state_.q.data());
-      if (natural_) {
+      if (finds_) {
         reactions_.begin(reader_, state_);
         stage_ = Stage::factor;
       } else {
@@ -77,7 +77,7 @@ bool LoadWatch::advance() {
       stage_ = Stage::reduce;
       return true;
     case Stage::reduce:
-      if (natural_ ? !reactions_.determined() : redundant_) reactions_.reduce(reader_, state_);
+      if (finds_ ? !reactions_.determined() : redundant_) reactions_.reduce(reader_, state_);
       stage_ = Stage::limit;
       return true;
     case Stage::limit:

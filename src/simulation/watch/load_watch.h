@@ -34,7 +34,8 @@ class LoadWatch {
   bool advance();
 
   const double step_;
-  const bool natural_, redundant_;
+  const bool finds_;  ///< multipliers, where the integrator has none of relative coordinates
+  const bool redundant_;
   relative::RelativeSystem reader_;
   Reactions reactions_;
   State state_;                  ///< that is evaluated
