@@ -141,7 +141,7 @@ def table(head: list[str], rows: list[list[str]]) -> str:
 
 
 def percent(x: float) -> str:
-    return "" if math.isinf(x) else f"{100 * x:.2g} %" if x < 0.995 else f"{100 * x:.0f} %"
+    return "fails" if math.isinf(x) else f"{100 * x:.2g} %" if x < 0.995 else f"{100 * x:.0f} %"
 
 
 def largest(found: list[float], exact: list[float]) -> float:
@@ -190,7 +190,8 @@ def slider_crank(runner: Runner) -> tuple[str, str]:
         costs = found if speed == 60 else costs
         errors = [abs(bend(outcome) / exact - 1) for outcome in found]
         for way, error in zip(ways, errors, strict=True):
-            lines[way.name].append((speed / ROD_FREQUENCY, 100 * error))
+            if math.isfinite(error):
+                lines[way.name].append((speed / ROD_FREQUENCY, 100 * error))
         rows.append([str(speed), f"{speed / ROD_FREQUENCY:.3f}", f"{1e3 * exact:.3g}", *map(percent, errors)])
     head = ["speed, rad/s", "by the rod's frequency", "bend, mm", *(way.name for way in ways)]
     cost = table(
