@@ -114,9 +114,9 @@ class System {
   /// allocates, so not in a step.
   virtual CoordinateKinds coordinate_kinds() const { return {}; }
   /// Likewise: r of inertia and weight alone, without force elements, loads and multipliers.
-  virtual Eigen::VectorXd unloaded_residual(double, const Eigen::VectorXd& q, const Eigen::VectorXd&,
+  virtual Eigen::VectorXd unloaded_residual(double, const Eigen::VectorXd&, const Eigen::VectorXd&,
                                             const Eigen::VectorXd&) {
-    return Eigen::VectorXd::Zero(q.size());
+    return {};
   }
   /// Likewise: generalised forces (as columns) of unit forces and moments at all places where force elements,
   /// loads, contacts and tyres may act, whether or not they do.

@@ -61,7 +61,8 @@ class Stepper {
  public:
   virtual ~Stepper() = default;
   /// Before the first step, at the state that it begins with: makes what the formalism needs beforehand. It
-  /// may allocate and throw. True: the system has been evaluated elsewhere. Later calls do nothing.
+  /// may allocate and throw. True: the system has been evaluated elsewhere. Later calls do
+  /// nothing. Without this call the first step makes it.
   virtual bool prepare(const State&) { return false; }
   /// One step of options().step. On failure the state is unchanged. Throws nothing, makes a bounded number of
   /// iterations, and gives the same bits for the same state, system (its tangent marks) and memory (transfer,

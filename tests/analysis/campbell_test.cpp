@@ -161,5 +161,34 @@ TEST(Campbell, FindsWhereAModeBeginsToGrow) {
   EXPECT_NEAR(d.onsets[0].value, 0.3, 1e-6);
 }
 
+/// ẍ + K x = 0 with K = [1 p; −p 2], as of forces that follow: λ² = −3/2 ± √(1/4 − p²), so that two modes
+/// meet at p = 1/2, where nothing is damped, and one of them grows from there on.
+TEST(Campbell, FindsWhereModesGrowThatAreNotDamped) {
+  const CampbellDiagram d = campbell(
+      [](double p) {
+        LinearisedModes found = modes_of(MatrixXd::Identity(2, 2));
+        for (int k = 0; k < 2; ++k) {
+          Mode& mode = found.modes[static_cast<std::size_t>(k)];
+          const std::complex<double> square =
+              -1.5 + (k == 0 ? 1. : -1.) * std::sqrt(std::complex<double>(0.25 - p * p));
+          std::complex<double> lambda = std::sqrt(square);
+          if (lambda.imag() < 0) lambda = -lambda;
+          mode.value = lambda;
+          Eigen::Vector2cd x(p, -1. - square), w(-p, -1. - square);
+          if (p == 0) x = w = k == 0 ? Eigen::Vector2cd(1, 0) : Eigen::Vector2cd(0, 1);
+          mode.motion = x;
+          mode.shape << x, lambda * x;
+          const std::complex<double> product = 2. * lambda * (w.transpose() * x)(0, 0);
+          mode.left << (lambda * w / product).conjugate(), (w / product).conjugate();
+        }
+        return found;
+      },
+      from_zero_to_one(4));
+  ASSERT_EQ(d.onsets.size(), 1u);
+  EXPECT_TRUE(d.onsets[0].grows);
+  EXPECT_NEAR(d.onsets[0].value, 0.5, 1e-6);
+  EXPECT_NEAR(d.onsets[0].frequency, std::sqrt(1.5), 0.1);
+}
+
 }  // namespace
 }  // namespace mimbre::test::campbell_test

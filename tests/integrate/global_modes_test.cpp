@@ -246,7 +246,7 @@ TEST(GlobalModes, WarnOfLoadsBeyondLinearTheory) {
   };
   const double exact = warned(Formalism::index3), found = warned(Formalism::global_modes);
   EXPECT_GT(exact, 0.1);
-  EXPECT_NEAR(found, exact, 0.5 * exact);
+  EXPECT_NEAR(found, exact, 0.05 * exact);
 }
 
 /// What has no table says why, and where.

@@ -112,6 +112,16 @@ TEST_P(Allocation, NoneInTheStepsOfTheFlexibleVehicle) {
   EXPECT_EQ(allocations_of(s, 1000), 0);
 }
 
+/// Tables of loops, with and without amplitudes.
+TEST(AllocationByTablesOfLoops, None) {
+  RunOptions options;
+  options.formalism = spec::Simulation::Formalism::global_modes;
+  for (const char* file : {"slider-crank/slider-crank.yaml", "iltis/suspension.yaml", "iltis/vehicle.yaml"}) {
+    Simulation s(example(file), options);
+    EXPECT_EQ(allocations_of(s, 300), 0) << file;
+  }
+}
+
 /// Drives, expressions of time, quaternion joints, flexible bodies and a singular position.
 TEST_P(Allocation, NoneInOtherMechanisms) {
   for (const char* file :

@@ -107,14 +107,11 @@ TEST(Elastodynamics, IsTheLimitOfASlowMechanism) {
   EXPECT_LT(before, 0.02);
 }
 
-/// A bar on a spring of turning, `more` sections behind.
-std::string bar_on_spring(const std::string& more) {
-  return R"(
+const std::string bar = R"(
 materials: {alloy: {young: 7e10, poisson: 0.3, density: 2700}}
 sections: {strip: {type: rectangle, height: 0.01, width: 0.01}}
 bodies:
   bar:
-    flexibility: elastodynamics
     frame: {at: [0, 0, 0]}
     flexible:
       material: alloy
@@ -123,6 +120,12 @@ bodies:
       bars: {all: {from: root, to: tip, elements: 4}}
       clamped: [root]
       static_modes: [{node: tip, all: true}]
+)";
+
+/// The bar on a spring of turning, `more` sections behind.
+std::string bar_on_spring(const std::string& more) {
+  return bar + R"(
+    flexibility: elastodynamics
 joints:
   hinge: {type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0], spring: {stiffness: 200, zero: 0}}
 outputs:
@@ -169,20 +172,8 @@ TEST(Elastodynamics, MayNotBeSeenWithinAStep) {
 
 /// Where a drive knows no reaction, and the body does not turn, nothing is left out.
 TEST(Elastodynamics, OfAPushedBodyIsExact) {
-  spec::Model model = model_of(R"(
+  spec::Model model = model_of(bar + R"(
 gravity: [0, 0, -9.81]
-materials: {alloy: {young: 7e10, poisson: 0.3, density: 2700}}
-sections: {strip: {type: rectangle, height: 0.01, width: 0.01}}
-bodies:
-  bar:
-    frame: {at: [0, 0, 0]}
-    flexible:
-      material: alloy
-      section: strip
-      nodes: {root: [0, 0, 0], tip: [1, 0, 0]}
-      bars: {all: {from: root, to: tip, elements: 4}}
-      clamped: [root]
-      static_modes: [{node: tip, all: true}]
 joints:
   push: {type: prismatic, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0], drive: {position: 0.01*sin(20*t)
 }

@@ -21,6 +21,9 @@ constexpr double other = 0.4;        ///< and those of two at most
 constexpr double same_place = 1e-7;  ///< of the larger eigenvalue: equal ones
 constexpr int closest = 16;          ///< halvings where two modes cross
 constexpr int deepest = 26;          ///< halvings between two values
+/// Of a function between two values: its share at one side of that at the other, and halvings then.
+constexpr double nearly_zero = 1e-3;
+constexpr int halvings = 30;
 
 /// The modes at one value, in the order of the branches; -1: a branch that is not there.
 struct Stand {
@@ -296,17 +299,21 @@ class Tracking {
     }
   }
 
-  /// Where f(λ, value) of a branch passes zero between two values; f is taken to go straight between them,
-  /// and λ is found anew there three times.
+  /// Where f(λ, value) of a branch passes zero between two values. λ is found anew where f would if it were
+  /// straight between them, or half way where f is nearly zero at one side: without damping modes grow all at
+  /// once, by the square root of the distance.
   template <class F>
   double crossing(std::size_t branch, std::size_t k, const F& f) {
     double low = out_.values[k - 1], high = out_.values[k];
     std::complex<double> of_low = out_.branches[branch].values[k - 1],
                          of_high = out_.branches[branch].values[k];
     double place = low;
-    for (int round = 0; round < 6; ++round) {
+    for (int round = 0, straight = 0; round < halvings && straight < 6; ++round) {
       const double a = f(of_low, low), b = f(of_high, high);
-      place = a == b ? 0.5 * (low + high) : low - a * (high - low) / (b - a);
+      const bool flat =
+          std::min(std::abs(a), std::abs(b)) <= nearly_zero * std::max(std::abs(a), std::abs(b));
+      straight += flat ? 0 : 1;
+      place = flat ? 0.5 * (low + high) : low - a * (high - low) / (b - a);
       if (!(place > low && place < high) || high - low < 1e-9 * std::abs(high)) break;
       // The mode there that lies nearest to a straight line.
       const double share = (place - low) / (high - low);

@@ -31,7 +31,7 @@ constexpr double steps_a_period = 8;
 
 /// A loop with θ held at one place, linear in deflections: z = G e with D e = 0.
 struct FixedLoop {
-  MatrixXd follow;    ///< G: other joint coordinates (rows as LoopTable::followers()) by amplitudes
+  MatrixXd follow;    ///< G: other joint coordinates (LoopTable::joint_coordinates()) by amplitudes
   MatrixXd resisted;  ///< D: rows of length by the scales
 };
 
@@ -151,9 +151,7 @@ void Builder::set_stiffness() {
 
 FixedLoop Builder::fixed_at(const VectorXd& q) const {
   probe_.evaluate(q);
-  std::vector<int> joints = table_.plain;
-  for (const int first : table_.rotation)
-    for (int k = 0; k < 3; ++k) joints.push_back(first + k);
+  const std::vector<int> joints = table_.joint_coordinates();
   MatrixXd Jz = probe_.jacobian()(loop_.equations, joints);
   const MatrixXd Je = probe_.jacobian()(loop_.equations, table_.amplitude);
   for (std::size_t k = 0; k < joints.size(); ++k) Jz.col(static_cast<Index>(k)) *= probe_.scale()[joints[k]];
@@ -219,9 +217,7 @@ MatrixXd Builder::random_loads(const VectorXd& q, int number) const {
 }
 
 MatrixXd Builder::eigenmodes(const VectorXd& q, const FixedLoop& fixed) const {
-  std::vector<int> joints = table_.plain;
-  for (const int first : table_.rotation)
-    for (int k = 0; k < 3; ++k) joints.push_back(first + k);
+  const std::vector<int> joints = table_.joint_coordinates();
   probe_.evaluate(q);
   const MatrixXd& M = probe_.mass();
   const MatrixXd Mz = M(joints, joints), Mc = M(joints, table_.amplitude),
@@ -249,10 +245,8 @@ void Builder::choose_modes() {
     const MatrixXd inertia = random_loads(q, k), elements = probe_.element_loads(q);
     MatrixXd r(inertia.rows(), inertia.cols() + elements.cols());
     r << inertia, elements;
-    std::vector<int> joints = table_.plain;
-    for (const int first : table_.rotation)
-      for (int c = 0; c < 3; ++c) joints.push_back(first + c);
-    const MatrixXd loads = r(table_.amplitude, Eigen::all) + fixed.follow.transpose() * r(joints, Eigen::all);
+    const MatrixXd loads = r(table_.amplitude, Eigen::all) +
+                           fixed.follow.transpose() * r(table_.joint_coordinates(), Eigen::all);
     const MatrixXd unconstrained = inverse_ * loads;
     MatrixXd bent = freed(fixed, unconstrained);
     // Each by itself, whatever its size; what the equations do not let bend is round-off.

@@ -36,10 +36,14 @@ Turning turning_of(const double* p, const double* first, const double* second) {
 
 }  // namespace
 
-LoopMotion::LoopMotion(const LoopTable& table) : table_(table) {
-  rows_ = table.plain;
-  for (const int first : table.rotation)
-    for (int k = 0; k < 3; ++k) rows_.push_back(first + k);
+std::vector<int> LoopTable::joint_coordinates() const {
+  std::vector<int> out = plain;
+  for (const int first : rotation)
+    for (int k = 0; k < 3; ++k) out.push_back(first + k);
+  return out;
+}
+
+LoopMotion::LoopMotion(const LoopTable& table) : table_(table), rows_(table.joint_coordinates()) {
   rows_.insert(rows_.end(), table.amplitude.begin(), table.amplitude.end());
   for (VectorXd* x : {&value_, &rate_, &second_}) x->setZero(table.spline.columns());
   delta_.setZero(table.modes);

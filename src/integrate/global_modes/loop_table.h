@@ -27,7 +27,9 @@ struct LoopTable {
   double violation = 0;  ///< the largest of Φ between the places of the table, by the scales of the equations
 
   int joints() const { return static_cast<int>(plain.size() + 3 * rotation.size()); }
-  /// Velocity coordinates that follow: plain ones, rotations, amplitudes.
+  /// Velocity coordinates of the joints but θ, in the order of the rows of Ψz.
+  std::vector<int> joint_coordinates() const;
+  /// So many velocity coordinates follow: those of joints, then amplitudes.
   int followers() const { return joints() + static_cast<int>(amplitude.size()); }
   /// θ inside the table.
   bool holds(double theta) const {
@@ -54,7 +56,7 @@ class LoopMotion {
   void accelerations(const double* rates, const double* second, double* a);
   /// out = Zᵀ r, 1 + modes.
   void project(const double* r, double* out);
-  /// ∂v/∂(θ̇, δ̇) of the coordinate followers()[row]; the column of θ first.
+  /// ∂v/∂(θ̇, δ̇) of the coordinate rows()[row], followers() × (1 + modes); the column of θ first.
   const Eigen::MatrixXd& Z() const { return Z_; }
   /// Velocity coordinates of the rows of Z.
   const std::vector<int>& rows() const { return rows_; }

@@ -9,7 +9,6 @@ Probe::Probe(System& system, double time)
       time_(time),
       none_(VectorXd::Zero(system.velocities())),
       multipliers_(VectorXd::Zero(system.equations())),
-      r_(VectorXd::Zero(system.velocities())),
       scale_(Eigen::Map<const VectorXd>(system.scales().coordinates.data(), system.velocities())),
       equation_scale_(Eigen::Map<const VectorXd>(system.scales().equations.data(), system.equations())),
       mass_(system.velocities(), system.velocities()),
@@ -21,16 +20,12 @@ VectorXd Probe::violations(const VectorXd& q) {
 }
 
 void Probe::evaluate(const VectorXd& q) {
-  residual(q, none_, none_);
+  VectorXd r(none_.size());
+  system_.residual(time_, q.data(), none_.data(), none_.data(), multipliers_.data(), 0, r.data());
   system_.dense_matrix(q.data(), {}, mass_.data());
   jacobian_.setZero();
   for (const JacobianEntry& e : system_.jacobian_entries())
     jacobian_(e.equation, e.coordinate) += e.value / equation_scale_[e.equation];
-}
-
-VectorXd Probe::residual(const VectorXd& q, const VectorXd& v, const VectorXd& a) {
-  system_.residual(time_, q.data(), v.data(), a.data(), multipliers_.data(), 0, r_.data());
-  return r_;
 }
 
 VectorXd Probe::moved(const VectorXd& q, const VectorXd& x) {

@@ -18,8 +18,6 @@ class Probe {
   void evaluate(const Eigen::VectorXd& q);
   const Eigen::MatrixXd& mass() const { return mass_; }
   const Eigen::MatrixXd& jacobian() const { return jacobian_; }
-  /// r at a motion, without multipliers.
-  Eigen::VectorXd residual(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a);
   /// r of inertia and weight; generalised forces of unit forces at elements (System::element_loads).
   Eigen::VectorXd unloaded_residual(const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                                     const Eigen::VectorXd& a) {
@@ -33,7 +31,7 @@ class Probe {
  private:
   System& system_;
   const double time_;
-  Eigen::VectorXd none_, multipliers_, r_, scale_, equation_scale_;
+  Eigen::VectorXd none_, multipliers_, scale_, equation_scale_;
   Eigen::MatrixXd mass_, jacobian_;
 };
 

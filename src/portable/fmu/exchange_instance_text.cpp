@@ -184,11 +184,11 @@ static int @_fmu_add_time(@_fmu *f, double seed, double *derivatives, double *ou
 }
 #endif
 
+#if @_FMU_VARIES
 /* The directional derivatives of unknowns (derivatives, outputs, event indicators) along the seed of knowns (states,
  * inputs, parameters, time). */
 static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_count, const @_fmu_reference *knowns,
                       size_t known_count, const double *seed, double *result) {
-#if @_FMU_VARIES
   double states[@_FMU_STATES + 1], inputs[@_FMU_INPUTS + 1];
   double derivatives[@_FMU_STATES + 1], outputs[@_FMU_OUTPUTS + 1], indicators[@_FMU_INDICATORS + 1], time = 0.0;
   size_t k, e;
@@ -231,16 +231,8 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
                                                     : indicators[unknown - @_FMU_FIRST_INDICATOR];
     }
   return @_FMU_OK;
-#else
-  (void)unknowns;
-  (void)unknown_count;
-  (void)knowns;
-  (void)known_count;
-  (void)seed;
-  (void)result;
-  return @_fmu_wrong(f, "the FMU has no directional derivatives");
-#endif
 }
+#endif
 )c";
 
 }  // namespace mimbre::portable

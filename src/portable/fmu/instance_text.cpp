@@ -134,6 +134,20 @@ static int @_fmu_none(const @_fmu *f, size_t count) {
   return count > 0 ? @_fmu_wrong(f, "the FMU has no variables of this type") : @_FMU_OK;
 }
 
+#if !@_FMU_VARIES
+/* Directional derivatives: there are none. */
+static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_count, const @_fmu_reference *knowns,
+                      size_t known_count, const double *seed, double *result) {
+  (void)unknowns;
+  (void)unknown_count;
+  (void)knowns;
+  (void)known_count;
+  (void)seed;
+  (void)result;
+  return @_fmu_wrong(f, "the FMU has no directional derivatives");
+}
+#endif
+
 #if @_FMU_ARRAYS
 /* How many values a variable has; 0: it is an element of another one. */
 static size_t @_fmu_size(unsigned long reference) {

@@ -89,11 +89,11 @@ static int @_fmu_get_counts(@_fmu *f, const @_fmu_reference *references, size_t 
   return @_FMU_OK;
 }
 
+#if @_FMU_VARIES
 /* The directional derivatives of outputs along the seed of inputs, parameters and the time, the motion being that of now.
  * Between two steps outputs are on a line, and inputs count from its end on. */
 static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_count, const @_fmu_reference *knowns,
                       size_t known_count, const double *seed, double *result) {
-#if @_FMU_VARIES
   const @_fmu_progress *const p = &f->progress;
   double inputs[@_FMU_INPUTS + 1], outputs[@_FMU_OUTPUTS + 1], time = 0.0;
   size_t k, e;
@@ -123,16 +123,8 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
     for (e = 0; e < @_fmu_size(unknowns[k]); ++e)
       *result++ = outputs[@_fmu_element(unknowns[k], e) - @_FMU_FIRST_OUTPUT];
   return @_FMU_OK;
-#else
-  (void)unknowns;
-  (void)unknown_count;
-  (void)knowns;
-  (void)known_count;
-  (void)seed;
-  (void)result;
-  return @_fmu_wrong(f, "the FMU has no directional derivatives");
-#endif
 }
+#endif
 
 /* Leaves initialization mode. */
 static int @_fmu_run(@_fmu *f) {
