@@ -166,6 +166,7 @@ def slider_crank(runner: Runner) -> tuple[str, str]:
         Way("4 segments", {"approach": "segments", "elements": 4}),
         Way("16 segments", {"approach": "segments", "elements": 16}),
         Way("corotational, 4 elements", {"approach": "corotational", "elements": 4}),
+        Way("absolute coordinates, 4 elements", {"approach": "ancf", "elements": 4}),
     ]
     reference = Way("reference", {"approach": "corotational", "elements": 20})
 
@@ -236,6 +237,24 @@ def spin_up(runner: Runner) -> tuple[str, str]:
     return table(["", "error of the tip's deflection", "CPU, ms", "iterations a step"], rows), figure(
         "Spin-up beam: error against cost", "CPU of 20 s, ms", "error of the tip's deflection, %", lines
     )
+
+
+def spin_up_in_space(runner: Runner) -> str:
+    """Beams of any deflection, with weight: the tip's deflection in the plane of rotation and its height."""
+    file = EXAMPLES / "spin-up-beam/beam-3d.yaml"
+    kinds = {"corotational": "nonlinear_beam", "cable": "ancf_cable", "thick": "ancf_thick"}
+    counts = {"corotational": (5, 10, 20), "cable": (3, 5, 10), "thick": (2, 3, 5)}
+    ways = [
+        Way(f"{name}, {n} elements", {"method": method, "elements": n})
+        for name, method in kinds.items()
+        for n in counts[name]
+    ]
+    exact = runner.run(file, Way("reference", {"method": "nonlinear_beam", "elements": 60}), "")
+    rows = []
+    for way, outcome in zip(ways, runner.in_turn(file, ways, ""), strict=True):
+        errors = [percent(largest(outcome.columns[c], exact.columns[c])) for c in ("tip.uy", "tip.uz")]
+        rows.append([way.name, *errors, f"{1e3 * outcome.seconds:.3g}", f"{outcome.iterations:.1f}"])
+    return table(["", "error across", "error of the height", "CPU, ms", "iterations a step"], rows)
 
 
 def cantilever(runner: Runner, first: str, settings: list[str]) -> str:
@@ -349,7 +368,7 @@ def page(runner: Runner, folder: pathlib.Path) -> str:
     parts = {
         "CRANK": crank, "SPIN_UP": spin, "FREQUENCIES": frequencies(runner), "FOUR_BAR": four_bar,
         "SUSPENSION": vehicles[0], "VEHICLE": vehicles[1], "BASES": arms, "BASES_VEHICLE": cars,
-        "LUMPED": lumped(runner),
+        "LUMPED": lumped(runner), "SPIN_UP_IN_SPACE": spin_up_in_space(runner),
     }  # fmt: skip
     for name, part in parts.items():
         text = text.replace(f"[{name}]\n", part)

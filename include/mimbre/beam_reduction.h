@@ -60,14 +60,17 @@ struct NodeFrame {
 ReducedBody reduce(const Mesh& mesh, const ReductionOptions& options, const std::vector<NodeFrame>& frames);
 
 struct AncfOptions {
-  int clamped_node = 0;  ///< the body frame moves with it and with the direction of its slope
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< of the plane in which the beam moves, body axes
+  AncfKind kind = AncfKind::planar;
+  int clamped_node = 0;  ///< the body frame moves with it and with the direction of its slope, or its section
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< planar: of the plane, body axes
   double stiffness_damping = 0;                       ///< s
 };
 
-/// A straight beam in a plane by absolute nodal coordinates (AncfBeam): no modes are chosen, the amplitudes
-/// are the nodes'. Throws std::invalid_argument when the mesh is not one line of bars that is clamped at one
-/// end, or does not lie in the plane.
+/// A straight beam by absolute nodal coordinates (AncfBeam): no modes are chosen, the amplitudes are the
+/// nodes'. Throws std::invalid_argument when the mesh is not one line of bars that is clamped at one end,
+/// does not lie in the plane, or has sections or a theory that the kind does not know: planar and cable Euler
+/// and Bernoulli's without rotary inertia, thick Timoshenko's; a cable bends alike in all directions, and the
+/// axes of a thick beam's sections do not turn along it.
 ReducedBody ancf_beam(const Mesh& mesh, const AncfOptions& options, const std::vector<NodeFrame>& frames);
 
 }  // namespace mimbre::fe

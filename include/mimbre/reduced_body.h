@@ -89,13 +89,24 @@ enum class BoundaryRotation {
   infinitesimal  ///< I + θ~
 };
 
-/// A beam in a plane by absolute nodal coordinates (Shabana 1997; Gerstmayr, Irschik 2008): the amplitudes
-/// are displacements and changes of slope at nodes, in the axes of the first node, so that the inertia is
-/// linear in them and all of its integrals are exact; the elastic forces are those of any deflection. A
-/// frame's X_theta gives the change of slope, and its axes turn with the slope.
+/// Beams by absolute nodal coordinates.
+enum class AncfKind {
+  planar,  ///< in a plane: stretch and bending (Shabana 1997; Gerstmayr, Irschik 2008)
+  cable,   ///< in space: stretch and bending, alike in all directions; no twist (Gerstmayr, Shabana 2006)
+  thick    ///< in space: shear, twist and sections that deform, too (Nachbagauer, Gruber, Gerstmayr 2013)
+};
+
+/// A beam by absolute nodal coordinates: the amplitudes are displacements at nodes and changes there of slope
+/// (planar, cable) or of the directions y and z of the cross-section (thick), in the axes of the first node,
+/// so that the inertia is linear in them and all of its integrals are exact; the elastic forces are those of
+/// any deflection. Where there are slopes a frame's X_theta gives the change of slope, and its axes turn with
+/// the slope: in space by the shortest way, since a cable knows no twist. Those of a thick beam turn with its
+/// section (`sections`), and X_theta is what they do at y = 0.
 struct AncfBeam {
-  Eigen::Vector3d along = Eigen::Vector3d::UnitX();   ///< the straight undeformed axis, body axes
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< of the plane; across = normal × along
+  AncfKind kind = AncfKind::planar;
+  Eigen::Vector3d along = Eigen::Vector3d::UnitX();  ///< the straight undeformed axis, body axes
+  /// Of the plane, or the sections' z; across, or the sections' y, is normal × along.
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   struct Element {
     /// Amplitude of: displacement along and across, change of slope along and across, of the first node, then
     /// of the second; -1: zero.
@@ -104,7 +115,24 @@ struct AncfBeam {
     double axial = 0;    ///< EA, N
     double bending = 0;  ///< EI, N m²
   };
-  std::vector<Element> elements;
+  std::vector<Element> elements;  ///< of a planar beam
+  struct SpatialElement {
+    /// Amplitudes of vectors, in the axes along, across, normal; -1: zero. Cable: displacement and change of
+    /// slope of both nodes. Thick: displacement, changes of y and z, of the first node, the middle and the
+    /// second node.
+    std::array<int, 27> amplitudes{};
+    double length = 0;  ///< m
+    double axial = 0;   ///< EA, N
+    /// N m²: about y and z of the section; a cable has both alike.
+    double bending_y = 0, bending_z = 0;
+    // Of a thick beam.
+    double torsion = 0;               ///< GJ, N m²
+    double shear_y = 0, shear_z = 0;  ///< kGA, N
+    double section_shear = 0;         ///< GA, N: of the section in its own plane
+  };
+  std::vector<SpatialElement> spatial;  ///< of a cable or a thick beam
+  /// Of a thick beam: of each of the body's frames the amplitudes of the changes of y and z, axes as above.
+  std::vector<std::array<int, 6>> sections;
   double stiffness_damping = 0;  ///< s: strain rates act like this many seconds of strain
 };
 

@@ -168,9 +168,9 @@ class Flexible(TypedDict, total=False):
     # Of the nonlinear stiffnesses: the strain energy's gradient, or the published force.
     stiffening_force: Literal["consistent", "published"] | str
     # What becomes of the bars: modes; a floating frame for every element; absolute nodal coordinates in a
-    # plane; rigid segments, one at each node, with springs against turning in the middle of each element,
-    # or also along and across.
-    beam: Literal["reduced", "corotational", "ancf", "segments", "stretching_segments"] | str
+    # plane, or in space as a cable or as a thick beam that shears and twists; rigid segments, one at each
+    # node, with springs against turning in the middle of each element, or also along and across.
+    beam: Literal["reduced", "corotational", "ancf", "segments", "stretching_segments", "ancf_cable", "ancf_thick"] | str
     # Of the bars: sections at right angles to the axis, these with rotary inertia, or shear and rotary
     # inertia.
     beam_theory: Literal["euler_bernoulli", "rayleigh", "timoshenko"] | str

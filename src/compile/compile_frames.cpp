@@ -85,9 +85,14 @@ FrameData frame_data(const Compiled& c, int k) {
   const ReducedBody& body = *c.spec().bodies[s.body].flexible;
   f.turn = static_cast<FrameTurn>(body.boundary_rotation);
   if (body.ancf) {
-    f.turn = FrameTurn::slope;
+    const AncfKind kind = body.ancf->kind;
+    f.turn = kind == AncfKind::planar  ? FrameTurn::slope
+             : kind == AncfKind::cable ? FrameTurn::direction
+                                       : FrameTurn::section;
     f.along = body.ancf->along;
     f.normal = body.ancf->normal;
+    if (kind == AncfKind::thick)
+      f.directions = body.ancf->sections[static_cast<std::size_t>(s.flexible_frame)];
   }
   return f;
 }

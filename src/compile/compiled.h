@@ -40,6 +40,22 @@ struct AncfElement {
   std::array<Point, 2> bending;
 };
 
+/// Likewise of a beam in space (AncfBeam::SpatialElement): its vectors are r and r' of both nodes of a cable,
+/// r and the section's directions of three nodes of a thick beam, in the axes of the line.
+struct AncfSpatialElement {
+  bool thick = false;
+  std::array<int, 27> amplitudes{};  ///< of the vectors' components; -1: zero
+  double length = 0;
+  struct Point {
+    /// By the vectors: of r' and r'' of a cable, of a vector and its derivative of a thick beam.
+    std::array<double, 4> lower{}, higher{};
+    std::array<double, 6> stiffness{};  ///< of the strains, times length
+  };
+  /// Of a cable three for stretch, two for bending; of a thick beam two for the strains of the line, three
+  /// for those of the section.
+  std::array<Point, 5> points;
+};
+
 /// Geometric stiffness (GeometricStiffness), the matrices one below the other.
 struct GeometricData {
   int modes = 0;
@@ -73,14 +89,19 @@ struct FlexibleData {
   bool identity_mass = false;        ///< Mff = I: modes are orthonormal
   bool diagonal_stiffness = false;   ///< stiffness and damping are diagonal
   bool nonlinear_stiffness = false;  ///< products have stiffness
-  /// Not empty: elastic forces are these elements' (dynamics/ancf.h), `stiffness` is their tangent at y = 0.
+  /// Not both empty: elastic forces are these elements' (dynamics/ancf.h), `stiffness` is their tangent at
+  /// y = 0.
   Array<AncfElement> ancf;
+  Array<AncfSpatialElement> ancf_spatial;
   double ancf_damping = 0;  ///< s
   GeometricData geometric;  ///< empty: stress does not stiffen
+
+  bool absolute() const { return !ancf.empty() || !ancf_spatial.empty(); }  ///< absolute nodal coordinates
 };
 
-/// What X_theta y does to a frame's axes: BoundaryRotation, and the change of slope of an AncfBeam.
-enum class FrameTurn { exponential, successive, infinitesimal, slope };
+/// What X_theta y does to a frame's axes: BoundaryRotation, or, of an AncfBeam, the change of slope in a
+/// plane, the change of direction in space (the frame turns by the shortest way), or the axes of its section.
+enum class FrameTurn { exponential, successive, infinitesimal, slope, direction, section };
 
 /// A point with axes on a body; body -1 is the ground.
 struct FrameData {
@@ -91,7 +112,10 @@ struct FrameData {
   bool turns = false;                  ///< modes turn the frame too
   bool bends = false;  ///< what acts on it bends the body (X, X_theta), though the modes do not move it
   FrameTurn turn = FrameTurn::exponential;
-  Vec3d along = Vec3d::Zero(), normal = Vec3d::Zero();  ///< by slope: its undeformed direction, and the plane
+  /// By slope: its undeformed direction, and the plane's normal; by section: x and z of the undeformed line.
+  Vec3d along = Vec3d::Zero(), normal = Vec3d::Zero();
+  /// By section: amplitudes of its directions y and z in the axes of the line; -1: zero.
+  std::array<int, 6> directions{};
   bool full = true;  ///< the step needs axes and accelerations, not only position and velocity
   bool central = false, aligned = false;  ///< it stays at its body's origin; it stays along its axes
   Rows X, X_theta;                        ///< 3 × stride

@@ -16,6 +16,8 @@ Rows padded(const Eigen::MatrixXd& m, int stride) {
 
 namespace {
 
+constexpr double third = 0.28867513459481287;  ///< √(1/12): from the middle to a point of Gauss's rule
+
 AncfElement ancf_element(const AncfBeam::Element& e) {
   AncfElement out;
   out.amplitudes = e.amplitudes;
@@ -29,9 +31,42 @@ AncfElement ancf_element(const AncfBeam::Element& e) {
   };
   // As many strains as ways to deform: three points for stretching (Lobatto) and two for bending (Gauss) keep
   // the cubic axis from resisting bending by stretching it (Gerstmayr, Irschik 2008).
-  const double third = std::sqrt(1.0 / 12);
   out.axial = {point(0, e.axial / 6), point(0.5, e.axial * 4 / 6), point(1, e.axial / 6)};
   out.bending = {point(0.5 - third, e.bending / 2), point(0.5 + third, e.bending / 2)};
+  return out;
+}
+
+AncfSpatialElement cable_element(const AncfBeam::SpatialElement& e) {
+  // The points of a planar beam, for the same reason.
+  const AncfElement planar = ancf_element({{}, e.length, e.axial, e.bending_y});
+  AncfSpatialElement out;
+  out.amplitudes = e.amplitudes;
+  out.length = e.length;
+  for (std::size_t k = 0; k < 5; ++k) {
+    const AncfElement::Point& p = k < 3 ? planar.axial[k] : planar.bending[k - 3];
+    out.points[k] = {p.slope, p.curvature, {p.stiffness, p.stiffness, p.stiffness, 0, 0, 0}};
+  }
+  return out;
+}
+
+AncfSpatialElement thick_element(const AncfBeam::SpatialElement& e) {
+  AncfSpatialElement out;
+  out.thick = true;
+  out.amplitudes = e.amplitudes;
+  const double L = out.length = e.length;
+  const auto point = [&](double x, double share, const std::array<double, 6>& stiffness) {
+    AncfSpatialElement::Point p;
+    p.lower = {(1 - x) * (1 - 2 * x), 4 * x * (1 - x), x * (2 * x - 1), 0};
+    p.higher = {(4 * x - 3) / L, (4 - 8 * x) / L, (4 * x - 1) / L, 0};
+    for (std::size_t m = 0; m < 6; ++m) p.stiffness[m] = share * L * stiffness[m];
+    return p;
+  };
+  // Again as many strains as ways to deform: 2 · 6 of the line, so that it does not lock in shear, and 3 · 3
+  // of the section.
+  const std::array<double, 6> line{e.axial, e.shear_y, e.shear_z, e.torsion, e.bending_y, e.bending_z};
+  const std::array<double, 6> section{e.axial, e.axial, e.section_shear, 0, 0, 0};
+  out.points = {point(0.5 - third, 0.5, line), point(0.5 + third, 0.5, line), point(0, 1.0 / 6, section),
+                point(0.5, 4.0 / 6, section), point(1, 1.0 / 6, section)};
   return out;
 }
 
@@ -119,6 +154,8 @@ FlexibleData flexible_data(const ReducedBody& body) {
   if (body.geometric) f.geometric = geometric_data(body, s);
   if (body.ancf) {
     for (const AncfBeam::Element& e : body.ancf->elements) f.ancf.push_back(ancf_element(e));
+    for (const AncfBeam::SpatialElement& e : body.ancf->spatial)
+      f.ancf_spatial.push_back(body.ancf->kind == AncfKind::thick ? thick_element(e) : cable_element(e));
     f.ancf_damping = body.ancf->stiffness_damping;
   }
   return f;

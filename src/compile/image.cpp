@@ -33,9 +33,9 @@ std::uint64_t program() {
   // What lies in its arrays may change while it stays as long as it was.
   for (const std::size_t size :
        {sizeof(Compiled), sizeof(BodyData), sizeof(FrameData), sizeof(FlexibleData), sizeof(AncfElement),
-        sizeof(LoopData), sizeof(DriveData), sizeof(ElementData), sizeof(LawData), sizeof(SensorData),
-        sizeof(RoadData), sizeof(FunctionData), sizeof(SignalsData::Sampled), sizeof(MotionSubspace),
-        sizeof(PathEntry), sizeof(MassPlace)})
+        sizeof(AncfSpatialElement), sizeof(LoopData), sizeof(DriveData), sizeof(ElementData), sizeof(LawData),
+        sizeof(SensorData), sizeof(RoadData), sizeof(FunctionData), sizeof(SignalsData::Sampled),
+        sizeof(MotionSubspace), sizeof(PathEntry), sizeof(MassPlace)})
     hash.add(static_cast<double>(size));
   return hash.value();
 }

@@ -2,12 +2,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compile/compiled.h"
+#include "dynamics/ancf_spatial.h"
 
-/// Elastic forces of planar beams by absolute nodal coordinates: strain energy ½∫EA ε² + ½∫EI κ², with
-/// ε = |r'| − 1 and κ = (r' × r'')/|r'|², the turn of the tangent per undeformed length, so that N and M are
-/// those of the cross-sections at any deflection (Gerstmayr, Irschik, On the correct representation of
-/// bending and axial deformation in the absolute nodal coordinate formulation, J. Sound Vib. 318 (2008)).
+/// Elastic forces of beams by absolute nodal coordinates; those in space are in ancf_spatial.h. Of planar
+/// ones the strain energy is ½∫EA ε² + ½∫EI κ², with ε = |r'| − 1 and κ = (r' × r'')/|r'|², the turn of the
+/// tangent per undeformed length, so that N and M are those of the cross-sections at any deflection
+/// (Gerstmayr, Irschik, On the correct representation of bending and axial deformation in the absolute nodal
+/// coordinate formulation, J. Sound Vib. 318 (2008)).
 namespace mimbre::ancf {
 
 /// A strain at a Gauss point: its value, rate, and derivatives by r' and r'' (along, across each).
@@ -73,6 +74,8 @@ void add_forces(const FlexibleData& f, double elastic, double damping, const T* 
     for (const AncfElement::Point& p : e.axial) add(e, p, stretch(point_at(e, p, y, yd)));
     for (const AncfElement::Point& p : e.bending) add(e, p, bend(point_at(e, p, y, yd)));
   }
+  for (const AncfSpatialElement& e : f.ancf_spatial)
+    add_forces(e, elastic, damping * f.ancf_damping, y, yd, out);
 }
 
 template <class T>
@@ -85,6 +88,7 @@ T energy(const FlexibleData& f, const T* y) {
     for (const AncfElement::Point& p : e.axial) add(p, stretch(point_at(e, p, y, y)));
     for (const AncfElement::Point& p : e.bending) add(p, bend(point_at(e, p, y, y)));
   }
+  for (const AncfSpatialElement& e : f.ancf_spatial) sum += energy(e, y);
   return sum;
 }
 
@@ -143,11 +147,17 @@ void add_tangent(const FlexibleData& f, const T* y, double stiffness, double dam
       add_point(e, p, strain, H);
     }
   }
+  for (const AncfSpatialElement& e : f.ancf_spatial)
+    add_tangent(e, y, stiffness, damping * f.ancf_damping, add);
 }
 
-/// Per axial Gauss point, three numbers: force over length, which is geometric stiffness, and the direction
-/// in which the axis is stiff. They decide whether a tangent is still good.
-inline std::size_t marks(const FlexibleData& f) { return 9 * f.ancf.size(); }
+/// Per axial Gauss point: force over length, which is geometric stiffness, and the direction in which the
+/// axis is stiff. They decide whether a tangent is still good.
+inline std::size_t marks(const FlexibleData& f) {
+  std::size_t count = 9 * f.ancf.size();
+  for (const AncfSpatialElement& e : f.ancf_spatial) count += marks(e);
+  return count;
+}
 
 /// Of all bodies.
 inline std::size_t all_marks(const Compiled& m) {
@@ -157,33 +167,29 @@ inline std::size_t all_marks(const Compiled& m) {
   return count;
 }
 
+/// Calls visit(number) for the marks at y, N/m.
 template <class Visit>
 void visit_marks(const FlexibleData& f, const double* y, const Visit& visit) {
   for (const AncfElement& e : f.ancf)
     for (const AncfElement::Point& p : e.axial) {
       const Strain<double> strain = stretch(point_at(e, p, y, y));
       const double stiffness = p.stiffness / (e.length * e.length);
-      visit(stiffness * strain.value, stiffness * strain.by_slope[0], stiffness * strain.by_slope[1]);
+      visit(stiffness * strain.value);
+      visit(stiffness * strain.by_slope[0]);
+      visit(stiffness * strain.by_slope[1]);
     }
+  for (const AncfSpatialElement& e : f.ancf_spatial) visit_marks(e, y, visit);
 }
 
 /// Keeps the marks at y.
 inline void keep_marks(const FlexibleData& f, const double* y, double* marks) {
-  visit_marks(f, y, [&](double force, double along, double across) {
-    *marks++ = force;
-    *marks++ = along;
-    *marks++ = across;
-  });
+  visit_marks(f, y, [&](double mark) { *marks++ = mark; });
 }
 
 /// Whether those at y differ from the kept ones by more than `limit`, N/m.
 inline bool marks_moved(const FlexibleData& f, const double* y, const double* marks, double limit) {
   double most = 0;
-  visit_marks(f, y, [&](double force, double along, double across) {
-    most =
-        std::max({most, std::abs(force - marks[0]), std::abs(along - marks[1]), std::abs(across - marks[2])});
-    marks += 3;
-  });
+  visit_marks(f, y, [&](double mark) { most = std::max(most, std::abs(mark - *marks++)); });
   return most > limit;
 }
 

@@ -27,8 +27,7 @@ void deform(const FrameData& f, const T* y, const T* yd, const T* ydd, Deformati
     d.alpha.setZero();
     return;
   }
-  const Vec3<T> theta = times(f.X_theta, y), rate = times(f.X_theta, yd), second = times(f.X_theta, ydd);
-  turn_motion(f, theta, rate, second, d.rotation, d.omega, d.alpha);
+  turn_motion(f, y, yd, ydd, d.rotation, d.omega, d.alpha);
   d.rotation = d.rotation * f.rotation.template cast<T>();
 }
 

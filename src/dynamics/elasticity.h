@@ -9,7 +9,7 @@ namespace mimbre {
 /// Adds the forces K y + C ẏ, or those of the beam's strains, to `elastic` (padded).
 template <class T>
 void add_elasticity(const FlexibleData& f, const T* y, const T* yd, T* elastic) {
-  if (!f.ancf.empty())
+  if (f.absolute())
     ancf::add_forces(f, 1, 1, y, yd, elastic);
   else if (f.diagonal_stiffness)
     for (int k = 0; k < f.modes; ++k) elastic[k] += f.stiffness(k, k) * y[k] + f.damping(k, k) * yd[k];

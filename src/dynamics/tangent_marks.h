@@ -45,7 +45,7 @@ class TangentMarks {
     }
     const double* marks = values_.data() + ancf_;
     for (std::size_t i = 0; i < m.bodies.size(); ++i) {
-      if (m.bodies[i].modes == 0 || m.flexible[m.bodies[i].flexible].ancf.empty()) continue;
+      if (m.bodies[i].modes == 0 || !m.flexible[m.bodies[i].flexible].absolute()) continue;
       const FlexibleData& f = m.flexible[m.bodies[i].flexible];
       if (ancf::marks_moved(f, amplitudes(i), marks, small_[ancf_ + i] / weights.stiffness)) return true;
       marks += ancf::marks(f);

@@ -50,7 +50,7 @@ class Refusals {
                         body.name));
       }
     for (const FlexibleData& f : m_.flexible)
-      if (!f.ancf.empty()) {
+      if (f.absolute()) {
         add("code is not made of beams by absolute nodal coordinates; take modes");
         break;
       }

@@ -10,63 +10,11 @@
 #include "fe/elements/beam_element.h"
 #include "math/gauss.h"
 #include "mimbre/beam_reduction.h"
+#include "reduction/ancf_beam_line.h"
 #include "reduction/shape_integrals.h"
 
 namespace mimbre::fe {
 namespace {
-
-constexpr double kStraight = 1e-9;  // of the beam's length
-
-/// The line's nodes by distance from the clamped one, and its elements likewise, first node first.
-struct Line {
-  std::vector<int> nodes;
-  std::vector<int> elements;
-  Eigen::Vector3d along = Eigen::Vector3d::UnitX();
-};
-
-[[noreturn]] void refuse(const std::string& what) {
-  throw std::invalid_argument(
-      "a beam by absolute nodal coordinates is one straight line of bars, clamped at one end: " + what);
-}
-
-Line line_of(const Mesh& mesh, const AncfOptions& options) {
-  const int start = options.clamped_node;
-  if (start < 0 || start >= mesh.nodes.cols()) refuse(fmt::format("node {} does not exist", start));
-  if (mesh.elements.empty()) refuse("the mesh has no elements");
-  std::vector<std::vector<int>> at_node(static_cast<std::size_t>(mesh.nodes.cols()));
-  for (int e = 0; e < static_cast<int>(mesh.elements.size()); ++e) {
-    element_geometry(mesh, e);  // refuses what is unsound
-    if (mesh.elements[e].theory != BeamTheory::euler_bernoulli)
-      refuse(fmt::format("element {} has shear or rotary inertia, for which it has no coordinates", e));
-    if (!mesh.elements[e].offsets[0].isZero(0) || !mesh.elements[e].offsets[1].isZero(0))
-      refuse(fmt::format("element {} has an offset", e));
-    for (const int node : mesh.elements[e].nodes) at_node[static_cast<std::size_t>(node)].push_back(e);
-  }
-  Line line{{start},
-            {},
-            element_geometry(mesh, at_node[static_cast<std::size_t>(start)].empty()
-                                       ? 0
-                                       : at_node[static_cast<std::size_t>(start)].front())
-                .axes.col(0)};
-  for (int last = -1; line.elements.size() < mesh.elements.size();) {
-    const int here = line.nodes.back();
-    std::vector<int> next = at_node[static_cast<std::size_t>(here)];
-    std::erase(next, last);
-    if (next.size() != 1) refuse(fmt::format("it branches or ends at node {}", here));
-    last = next.front();
-    const std::array<int, 2>& ends = mesh.elements[static_cast<std::size_t>(last)].nodes;
-    line.elements.push_back(last);
-    line.nodes.push_back(ends[0] == here ? ends[1] : ends[0]);
-  }
-  const Eigen::Vector3d whole = mesh.nodes.col(line.nodes.back()) - mesh.nodes.col(start);
-  line.along = whole.normalized();
-  for (const int node : line.nodes) {
-    const Eigen::Vector3d r = mesh.nodes.col(node) - mesh.nodes.col(start);
-    if ((r - r.dot(line.along) * line.along).norm() > kStraight * whole.norm())
-      refuse(fmt::format("node {} is off the line", node));
-  }
-  return line;
-}
 
 /// EI of an element for bending in the plane with this normal.
 double bending_stiffness(const Mesh& mesh, int element, const Eigen::Vector3d& normal) {
@@ -125,31 +73,19 @@ void add_mass(const AncfBeam::Element& e, const Eigen::Vector3d& start,
   }
 }
 
-/// `slopes`: rotations of the nodes by the amplitudes.
-void add_frames(const Mesh& mesh, const std::vector<NodeFrame>& frames, const Eigen::MatrixXd& slopes,
-                ReducedBody& body) {
-  for (const NodeFrame& frame : frames) {
-    if (frame.node < 0 || frame.node >= mesh.nodes.cols())
-      throw std::invalid_argument(fmt::format("frame '{}': node {} does not exist, the mesh has {} nodes",
-                                              frame.name, frame.node, mesh.nodes.cols()));
-    body.frames.push_back({frame.name, mesh.nodes.col(frame.node), frame.rotation,
-                           body.node_shapes.middleRows<3>(3 * frame.node),
-                           slopes.middleRows<3>(3 * frame.node)});
-  }
-}
-
 }  // namespace
 
 ReducedBody ancf_beam(const Mesh& mesh, const AncfOptions& options, const std::vector<NodeFrame>& frames) {
   if (!(std::isfinite(options.stiffness_damping) && options.stiffness_damping >= 0))
     throw std::invalid_argument(
         fmt::format("stiffness damping must not be negative, is {}", options.stiffness_damping));
-  const Line line = line_of(mesh, options);
+  if (options.kind != AncfKind::planar) return spatial_ancf_beam(mesh, options, frames);
+  const AncfLine line = ancf_line(mesh, options);
   AncfBeam beam;
   beam.along = line.along;
   beam.normal = options.normal.normalized();
   beam.stiffness_damping = options.stiffness_damping;
-  if (!(std::abs(beam.normal.dot(beam.along)) < 1e-6)) refuse("it does not lie in the plane");
+  if (!(std::abs(beam.normal.dot(beam.along)) < 1e-6)) refuse_ancf("it does not lie in the plane");
   const Eigen::Vector3d across = beam.normal.cross(beam.along);
   const std::array<Eigen::Vector3d, 2> directions{beam.along, across};
 
@@ -203,7 +139,7 @@ ReducedBody ancf_beam(const Mesh& mesh, const AncfOptions& options, const std::v
       if (const int at = amplitude_at(k, c); at >= 0 && k > 0)  // stretching turns nothing
         (c < 2 ? body.node_shapes : slopes).block<3, 1>(3 * line.nodes[static_cast<std::size_t>(k)], at) =
             directions[static_cast<std::size_t>(c % 2)];
-  add_frames(mesh, frames, slopes, body);
+  add_ancf_frames(mesh, frames, slopes, body);
   body.ancf = std::move(beam);
   return body;
 }

@@ -85,9 +85,14 @@ void members(A& archive, Of<AncfBeam::Element> auto& x) {
   archive(amplitudes, length, axial, bending);
 }
 template <class A>
+void members(A& archive, Of<AncfBeam::SpatialElement> auto& x) {
+  auto& [amplitudes, length, axial, bending_y, bending_z, torsion, shear_y, shear_z, section_shear] = x;
+  archive(amplitudes, length, axial, bending_y, bending_z, torsion, shear_y, shear_z, section_shear);
+}
+template <class A>
 void members(A& archive, Of<AncfBeam> auto& x) {
-  auto& [along, normal, elements, stiffness_damping] = x;
-  archive(along, normal, elements, stiffness_damping);
+  auto& [kind, along, normal, elements, spatial, sections, stiffness_damping] = x;
+  archive(kind, along, normal, elements, spatial, sections, stiffness_damping);
 }
 template <class A>
 void members(A& archive, Of<BarSections::Section> auto& x) {

@@ -91,6 +91,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Mechanism{"absolute_nodal_coordinates",
                               [] {
                                 return example("spin-up-beam/beam-2d.yaml", {{"method", "ancf"}});
+                              }},
+                    Mechanism{"absolute_nodal_coordinates_in_space",
+                              [] {
+                                return example("spin-up-beam/beam-3d.yaml", {{"method", "ancf_thick"}});
                               }}),
     [](const auto& mechanism) { return mechanism.param.name; });
 

@@ -415,53 +415,64 @@ TEST_P(ScalarCore, DerivativesByInputsAndNumbers) {
 
 INSTANTIATE_TEST_SUITE_P(
     Mechanisms, ScalarCore,
-    testing::Values(Mechanism{"driven_four_bar", driven_four_bar, 0.2},
-                    Mechanism{"geared_four_bar", geared_four_bar, 0.2},
-                    Mechanism{"every_constraint", every_constraint, 0.1},
-                    Mechanism{"die_and_ball", die_and_ball, 0.005},
-                    Mechanism{"car", [] { return example("iltis/vehicle.yaml"); }, 0.02},
-                    Mechanism{"tree",
-                              [] { return random_model(3, [](RandomOptions& o) { o.flexible_share = 0; }); },
-                              0.5},
-                    Mechanism{"loops",
-                              [] {
-                                return random_model(5, [](RandomOptions& o) {
-                                  o.flexible_share = 0;
-                                  o.loops = 3;
-                                  o.drives = true;
-                                });
-                              },
-                              0.5},
-                    Mechanism{"flexible_bodies",
-                              [] {
-                                return random_model(7, [](RandomOptions& o) {
-                                  o.flexible_share = 0.8;
-                                  o.loops = 1;
-                                  o.tyres = true;
-                                });
-                              },
-                              0.3},
-                    Mechanism{"foreshortening",
-                              [] {
-                                return random_model(8, [](RandomOptions& o) {
-                                  o.flexible_share = 1;
-                                  o.stiffening = fe::Stiffening::foreshortening;
-                                });
-                              },
-                              0.2},
-                    Mechanism{"nonlinear_stiffness",
-                              [] {
-                                return random_model(9, [](RandomOptions& o) {
-                                  o.flexible_share = 1;
-                                  o.stiffening = fe::Stiffening::nonlinear_stiffness_2;
-                                });
-                              },
-                              0.2},
-                    Mechanism{"absolute_nodal_coordinates",
-                              [] {
-                                return example("spin-up-beam/beam-2d.yaml", {{"method", "ancf"}});
-                              },
-                              0.001}),
+    testing::Values(
+        Mechanism{"driven_four_bar", driven_four_bar, 0.2},
+        Mechanism{"geared_four_bar", geared_four_bar, 0.2},
+        Mechanism{"every_constraint", every_constraint, 0.1}, Mechanism{"die_and_ball", die_and_ball, 0.005},
+        Mechanism{"car", [] { return example("iltis/vehicle.yaml"); }, 0.02},
+        Mechanism{"tree", [] { return random_model(3, [](RandomOptions& o) { o.flexible_share = 0; }); },
+                  0.5},
+        Mechanism{"loops",
+                  [] {
+                    return random_model(5, [](RandomOptions& o) {
+                      o.flexible_share = 0;
+                      o.loops = 3;
+                      o.drives = true;
+                    });
+                  },
+                  0.5},
+        Mechanism{"flexible_bodies",
+                  [] {
+                    return random_model(7, [](RandomOptions& o) {
+                      o.flexible_share = 0.8;
+                      o.loops = 1;
+                      o.tyres = true;
+                    });
+                  },
+                  0.3},
+        Mechanism{"foreshortening",
+                  [] {
+                    return random_model(8, [](RandomOptions& o) {
+                      o.flexible_share = 1;
+                      o.stiffening = fe::Stiffening::foreshortening;
+                    });
+                  },
+                  0.2},
+        Mechanism{"nonlinear_stiffness",
+                  [] {
+                    return random_model(9, [](RandomOptions& o) {
+                      o.flexible_share = 1;
+                      o.stiffening = fe::Stiffening::nonlinear_stiffness_2;
+                    });
+                  },
+                  0.2},
+        Mechanism{"absolute_nodal_coordinates",
+                  [] {
+                    return example("spin-up-beam/beam-2d.yaml", {{"method", "ancf"}});
+                  },
+                  0.001},
+        Mechanism{
+            "thick_absolute_nodal_coordinates",
+            [] {
+              return example("spin-up-beam/beam-3d.yaml", {{"method", "ancf_thick"}, {"elements", "3"}});
+            },
+            0.001},
+        Mechanism{
+            "cable_of_absolute_nodal_coordinates",
+            [] {
+              return example("spin-up-beam/beam-3d.yaml", {{"method", "ancf_cable"}, {"elements", "4"}});
+            },
+            0.001}),
     [](const auto& mechanism) { return mechanism.param.name; });
 
 /// A law that users write for numbers: of lanes one after the other; of dual numbers its force has the

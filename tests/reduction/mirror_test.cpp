@@ -169,7 +169,8 @@ TEST(Mirror, OfAbsoluteNodalCoordinates) {
     add_bar(mesh, 0, 1, 3, rectangle(0.05, 0.03), R.col(1));
     mesh.nodes = (M * mesh.nodes).eval();
     for (fe::BeamElement& e : mesh.elements) e.y_direction = (M * e.y_direction).eval();
-    return fe::ancf_beam(mesh, {0, signs.prod() * M * R.col(2), 0.01}, {{"tip", 1, M * R * M}});
+    return fe::ancf_beam(mesh, {AncfKind::planar, 0, signs.prod() * M * R.col(2), 0.01},
+                         {{"tip", 1, M * R * M}});
   };
   const ReducedBody body = beam(Vector3d::Ones());
   for (const Vector3d& signs : mirrors)

@@ -13,7 +13,8 @@
 #include "support/models.h"
 #include "support/run.h"
 
-/// Beams of any deflection: corotational (in space) and by absolute nodal coordinates (in a plane).
+/// Beams of any deflection: corotational and by absolute nodal coordinates (in a plane, as cables, as thick
+/// beams).
 namespace mimbre::test::nonlinear_beam_test {
 namespace {
 
@@ -32,9 +33,10 @@ constexpr double EI = 100;  // of the beam below, N m²
 /// tension.
 std::string beam(const std::string& kind, int elements, const std::string& rest,
                  const std::string& gravity = "[0, 0, 0]") {
+  const bool in_space = kind == "ancf_cable" || kind == "ancf_thick";  // the latter with hardly any shear
   return "gravity: " + gravity + R"(
 materials: {m: {young: 1e10, poisson: 0.3, density: 1000}}
-sections: {s: {area: 1.2e-3, Iy: 1e-8, Iz: 1e-8, J: 2e-8}}
+sections: {s: {area: 1.2e-3, Iy: 1e-8, Iz: 1e-8, J: 2e-8, shear_areas: [0.01, 0.01]}}
 bodies:
   beam:
     frame: {at: [0, 0, 0]}
@@ -45,9 +47,10 @@ bodies:
       bars: {bar: {from: root, to: tip, elements: )" +
          std::to_string(elements) + R"(}}
       clamped: [root]
-      planar: [0, 0, 1]
-      beam: )" +
-         kind + "\n" + rest + R"(
+)" +
+         (in_space ? kind == "ancf_thick" ? "      beam_theory: timoshenko\n" : ""
+                   : "      planar: [0, 0, 1]\n") +
+         "      beam: " + kind + "\n" + rest + R"(
 outputs:
   - {name: ux, displacement: beam.tip, relative_to: beam, component: x}
   - {name: uy, displacement: beam.tip, relative_to: beam, component: y}
@@ -68,8 +71,11 @@ class NonlinearBeam : public testing::TestWithParam<std::tuple<std::string, spec
   }
 };
 
+/// The kinds whose equilibria are found with any number of elements.
+class SlenderBeam : public NonlinearBeam {};
+
 /// M = 2π EI / L closes the circle.
-TEST_P(NonlinearBeam, AnEndMomentRollsItUp) {
+TEST_P(SlenderBeam, AnEndMomentRollsItUp) {
   const bool natural = std::get<1>(GetParam()) == spec::Simulation::Formulation::natural;
   for (const double turn : {0.25, 0.5, 1.0}) {
     if (natural && turn == 1) continue;  // the statics' search goes astray on the way
@@ -109,7 +115,7 @@ struct Elastica {
   }
 };
 
-TEST_P(NonlinearBeam, AnEndLoadBendsItLikeTheElastica) {
+TEST_P(SlenderBeam, AnEndLoadBendsItLikeTheElastica) {
   EXPECT_NEAR(Elastica(10).y, 0.81061, 5e-6);  // K. Mattiasson, Int. J. Numer. Meth. Eng. 17 (1981) 145–153
   EXPECT_NEAR(1 - Elastica(10).x, 0.55500, 5e-6);
   for (const double number : {1.0, 5.0, 10.0}) {
@@ -119,6 +125,27 @@ TEST_P(NonlinearBeam, AnEndLoadBendsItLikeTheElastica) {
         options());
     EXPECT_NEAR(1 + value(r, "ux"), exact.x, 2e-4) << number;  // N stretches it by up to 1e-4
     EXPECT_NEAR(value(r, "uy"), exact.y, 2e-4) << number;
+  }
+}
+
+/// Thick elements are of the fourth order. The statics' search finds half a circle with few of them only.
+TEST(ThickBeams, AreOfTheFourthOrder) {
+  const auto at = [](int elements, const std::string& what) {
+    const StaticResult r = static_equilibrium(model_of(beam("ancf_thick", elements, wall + load(what))));
+    return Eigen::Vector2d(1 + value(r, "ux"), value(r, "uy"));
+  };
+  for (const double turn : {0.25, 0.5}) {
+    const double angle = 2 * pi * turn;
+    const Eigen::Vector2d exact(std::sin(angle) / angle, (1 - std::cos(angle)) / angle);
+    const std::string moment = "moment: [0, 0, " + std::to_string(angle * EI) + "]";
+    const double coarse = (at(2, moment) - exact).norm(), fine = (at(4, moment) - exact).norm();
+    EXPECT_LT(fine, turn < 0.5 ? 2e-4 : 4.5e-3);
+    EXPECT_GT(coarse / fine, 11) << turn;
+  }
+  for (const double number : {1.0, 5.0}) {
+    const std::string force = "force: [0, " + std::to_string(number * EI) + ", 0]";
+    const Elastica exact(number);
+    EXPECT_LT((at(5, force) - Eigen::Vector2d(exact.x, exact.y)).norm(), 1e-3) << number;
   }
 }
 
@@ -181,16 +208,20 @@ TEST_P(NonlinearBeam, AFreeBeamKeepsItsEnergy) {
   EXPECT_GT(drift[0] / drift[1], 2.5);
 }
 
+std::string name_of(const testing::TestParamInfo<NonlinearBeam::ParamType>& which) {
+  const bool relative = std::get<1>(which.param) == spec::Simulation::Formulation::relative;
+  return std::get<0>(which.param) + (relative ? "_relative" : "_natural");
+}
+const auto formulations =
+    testing::Values(spec::Simulation::Formulation::relative, spec::Simulation::Formulation::natural);
+INSTANTIATE_TEST_SUITE_P(All, SlenderBeam,
+                         testing::Combine(testing::Values("corotational", "ancf", "ancf_cable"),
+                                          formulations),
+                         name_of);
 INSTANTIATE_TEST_SUITE_P(All, NonlinearBeam,
-                         testing::Combine(testing::Values("corotational", "ancf"),
-                                          testing::Values(spec::Simulation::Formulation::relative,
-                                                          spec::Simulation::Formulation::natural)),
-                         [](const auto& which) {
-                           return std::get<0>(which.param) +
-                                  (std::get<1>(which.param) == spec::Simulation::Formulation::relative
-                                       ? "_relative"
-                                       : "_natural");
-                         });
+                         testing::Combine(testing::Values("corotational", "ancf", "ancf_cable", "ancf_thick"),
+                                          formulations),
+                         name_of);
 
 /// Steady rotation: the tip moves out by ρΩ²L³/3E.
 TEST(NonlinearBeams, RotationStretchesTheSpinUpBeam) {
@@ -223,7 +254,7 @@ Eigen::Vector3d momentum(relative::RelativeSystem& system, const State& s) {
 }
 
 TEST(NonlinearBeams, AFreeBeamKeepsItsMomentum) {
-  for (const std::string kind : {"corotational", "ancf"}) {
+  for (const std::string kind : {"corotational", "ancf", "ancf_cable", "ancf_thick"}) {
     std::array<double, 2> change{};
     for (const bool fine : {false, true}) {
       const double step = fine ? 0.00025 : 0.0005;

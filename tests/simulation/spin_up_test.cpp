@@ -148,6 +148,12 @@ TEST(SpinUpBeam, NonlinearBeams) {
   const auto ancf = follow("2d", {{"method", "ancf"}}).mean;
   EXPECT_LT(ancf[0], 0.001);
   EXPECT_LT(ancf[1], 0.02);
+  for (const char* kind : {"ancf_cable", "ancf_thick"}) {
+    const auto in_space = follow("3d", {{"method", kind}, {"elements", "6"}}).mean;
+    EXPECT_LT(in_space[0], 0.005) << kind;
+    EXPECT_LT(in_space[1], 0.1) << kind;
+    EXPECT_LT(in_space[2], 0.05) << kind;
+  }
 }
 
 /// Rotations that are none stretch the chain of pieces: an order of magnitude in the axial direction, as

@@ -102,6 +102,14 @@ const std::vector<Mechanism>& mechanisms() {
        [] {
          return example("spin-up-beam/beam-2d.yaml", {{"method", "ancf"}, {"elements", "4"}});
        }},
+      {"ancf_cable",
+       [] {
+         return example("spin-up-beam/beam-3d.yaml", {{"method", "ancf_cable"}, {"elements", "4"}});
+       }},
+      {"ancf_thick",
+       [] {
+         return example("spin-up-beam/beam-3d.yaml", {{"method", "ancf_thick"}, {"elements", "3"}});
+       }},
       {"random_tree",
        [] {
          RandomOptions o;

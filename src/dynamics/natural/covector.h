@@ -35,8 +35,7 @@ void act_on_axis(const FrameData& f, const FrameMotion<T>& frame, int axis, cons
   if (!f.turns) return;
   const Vec3<T> turning =
       frame.rotation.col(axis).cross(Vec3<T>(out.body->position.template rightCols<3>().transpose() * g));
-  const Vec3<T> theta = times(f.X_theta, out.y);
-  add_transposed<T>(f.X_theta, turn_jacobian<T>(f, theta).transpose() * turning, out.modal);
+  add_moment<T>(f, out.y, turning, out.modal);
 }
 
 /// Moment on the frame: ω = ½ Σ e × ė over its axes e.

@@ -30,7 +30,7 @@ void joint_positions(const Compiled& m, const Layout& l, Workspace<T>& w, T* q) 
       for (int k = 0; k < stride; ++k) y[k] = k < modes ? q[l.bodies[f.body].q + k] : T(0);
       extend(m.flexible[f.flexible], y);
       place += times(f.X, y);
-      if (f.turns) rotation = turn_rotation<T>(f, times(f.X_theta, y)) * f.rotation.template cast<T>();
+      if (f.turns) rotation = turn_rotation<T>(f, y) * f.rotation.template cast<T>();
     }
     position = base.col(0) + base.template rightCols<3>() * place;
     axes = base.template rightCols<3>() * rotation;

@@ -175,7 +175,7 @@ void body_matrix(const Compiled& m, const Layout& l, Workspace<T>& w, int index,
   }
   const FlexibleData& f = m.flexible[data.flexible];
   add_modal(m, l, w, index, add_coupled_mass(m, l, w, index, matrix), 1, matrix);
-  if (!f.ancf.empty()) {
+  if (f.absolute()) {
     const int n = 3 * b.unknown;
     ancf::add_tangent(f, w.y.data() + b.amplitudes, stiffness, damping, [&](int r, int c, const T& x) {
       if (c <= r) matrix[(n + r) * stride + n + c] += x;

@@ -128,7 +128,7 @@ NaturalSystem::NaturalSystem(const Compiled& model, spec::Simulation::Inertia in
     body_matrix<double>(model_, layout_, work_, static_cast<int>(i), weights.damping, weights.stiffness,
                         local);
     scatter(b.stencil, local, values);
-    if (model_.bodies[i].modes == 0 || model_.flexible[model_.bodies[i].flexible].ancf.empty()) continue;
+    if (model_.bodies[i].modes == 0 || !model_.flexible[model_.bodies[i].flexible].absolute()) continue;
     const FlexibleData& f = model_.flexible[model_.bodies[i].flexible];
     ancf::keep_marks(f, q + b.q, marks);
     marks += ancf::marks(f);
@@ -248,7 +248,7 @@ void NaturalSystem::temper_prediction(double h, double* x) const {
     const BodyData& b = model_.bodies[i];
     if (b.modes == 0) continue;
     const FlexibleData& f = model_.flexible[b.flexible];
-    if (!f.ancf.empty()) continue;  // nodes move far without strain
+    if (f.absolute()) continue;  // nodes move far without strain
     for (int k = 0; k < b.modes; ++k)
       x[layout_.bodies[i].q + k] /= 1 + h * h * f.stiffness(k, k) / f.mass(k, k);
   }

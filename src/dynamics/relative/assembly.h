@@ -35,7 +35,7 @@ void add_modal_tangent(const Compiled& m, Workspace<T>& w, std::size_t i, const 
         out[(n0 + r) * place.row_stride + (n0 + c) * place.col_stride] +=
             weights.stiffness * w.folded[r * f.stride + c];
   }
-  if (!f.ancf.empty()) {
+  if (f.absolute()) {
     T* y = w.scratch.data();
     copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
     marks.beam(f, y);

@@ -32,7 +32,7 @@ CoordinateKinds RelativeSystem::coordinate_kinds() const {
     body.stiffness.resize(b.modes, b.modes);
     for (int r = 0; r < b.modes; ++r)
       for (int c = 0; c < b.modes; ++c) body.stiffness(r, c) = f.stiffness(r, c);
-    body.linear = f.ancf.empty() && !f.nonlinear_stiffness;
+    body.linear = !f.absolute() && !f.nonlinear_stiffness;
     out.bodies.push_back(std::move(body));
   }
   for (const DriveData& d : model_.drives) out.drives.push_back(d.equation);

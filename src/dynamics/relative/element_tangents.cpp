@@ -5,7 +5,7 @@
 namespace mimbre::relative {
 
 ElementTangents::ElementTangents(const Compiled& m, std::size_t values) : values_(values) {
-  for (const FlexibleData& f : m.flexible) possible_ = possible_ && f.ancf.empty();
+  for (const FlexibleData& f : m.flexible) possible_ = possible_ && !f.absolute();
   std::size_t count = 0;
   for (const ElementData& e : m.elements) {
     possible_ = possible_ && !e.pooled;

@@ -24,6 +24,19 @@ void rotate_rows(const Mat3<T>& A, const R* rows, int stride, T* out) {
   }
 }
 
+/// Angular velocity of the frame by unit rates of the amplitudes: three padded rows, turned by A.
+template <class T>
+void turn_rows(const FrameData& f, const T* y, const Mat3<T>& A, int stride, T* out) {
+  if (f.turn != FrameTurn::section)
+    return rotate_rows<T>(A * turn_jacobian<T>(f, Vec3<T>(times(f.X_theta, y))), f.X_theta.data(), stride,
+                          out);
+  for (int k = 0; k < 3 * stride; ++k) out[k] = T(0);
+  const Eigen::Matrix<T, 3, 6> turns = A * section_turns(f, y);
+  for (int k = 0; k < 6; ++k)
+    if (const int at = f.directions[static_cast<std::size_t>(k)]; at >= 0)
+      for (int r = 0; r < 3; ++r) out[r * stride + at] = turns(r, k);
+}
+
 /// out += p × columns of three padded rows.
 template <class T>
 void add_cross_rows(const Vec3<T>& p, const T* rows, int stride, T* out) {
@@ -62,7 +75,7 @@ void motion_subspaces(const Compiled& m, Workspace<T>& w, const T* q) {
       rotate_rows<T>(A, f.X.data(), fs, linear);
       for (int r = 0; r < 3; ++r) fold(flexible, y, linear + r * fs);
       if (f.turns) {
-        rotate_rows<T>(A * turn_jacobian<T>(f, times(f.X_theta, y)), f.X_theta.data(), fs, angular);
+        turn_rows<T>(f, y, A, fs, angular);
         add_cross_rows<T>(position, angular, fs, linear);
       }
       T* out = c + b.joint_velocities;

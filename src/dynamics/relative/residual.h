@@ -112,10 +112,7 @@ template <class T>
 void frame_modal_force(const FrameData& f, const Motion<T>& body, const T* y, const Vec3<T>& force,
                        const Vec3<T>& moment, T* out) {
   add_transposed<T>(f.X, turned_back<T>(body.rotation, force), out);
-  if (!f.turns) return;
-  const Vec3<T> theta = times(f.X_theta, y);
-  add_transposed<T>(f.X_theta,
-                    turned_back<T>(turn_jacobian<T>(f, theta), turned_back<T>(body.rotation, moment)), out);
+  if (f.turns) add_moment<T>(f, y, turned_back<T>(body.rotation, moment), out);
 }
 
 /// out = M z̈ − Q + (wrenches already on the frames, taken as acting), after kinematics, forces and

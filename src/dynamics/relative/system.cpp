@@ -267,7 +267,7 @@ void RelativeSystem::temper_prediction(double h, double* x) const {
   for (const BodyData& b : model_.bodies) {
     if (b.modes == 0) continue;
     const FlexibleData& f = model_.flexible[b.flexible];
-    if (!f.ancf.empty()) continue;  // nodes move far without strain
+    if (f.absolute()) continue;  // nodes move far without strain
     const Rows& modal_mass = constant_inertia(model_, work_, b).modal_mass;
     for (int k = 0; k < b.modes; ++k)
       x[b.v + b.joint_velocities + k] /= 1 + h * h * f.stiffness(k, k) / modal_mass(k, k);

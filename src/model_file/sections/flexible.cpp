@@ -458,7 +458,8 @@ struct Reader {
 
   /// Beams of one element per frame have no modes to choose.
   void read_kind(const Value& kind) {
-    const auto k = kind.choice({"reduced", "corotational", "ancf", "segments", "stretching_segments"});
+    const auto k = kind.choice(
+        {"reduced", "corotational", "ancf", "segments", "stretching_segments", "ancf_cable", "ancf_thick"});
     if (!k || *k == 0) return;
     result.kind = static_cast<BeamKind>(*k);
     fe::ReductionOptions& o = result.options;
@@ -472,8 +473,12 @@ struct Reader {
       o.stiffening = fe::Stiffening::foreshortening;
     } else if (result.kind == BeamKind::ancf && result.normal.isZero(0)) {
       fail(kind,
-           "by absolute nodal coordinates moves in a plane; give its normal, for example planar: [0, 0, 1]");
-    } else if (result.kind == BeamKind::ancf && o.clamped_nodes.size() > 1) {
+           "by absolute nodal coordinates moves in a plane; give its normal, for example planar: [0, 0, 1], "
+           "or "
+           "take ancf_cable or ancf_thick, which move in space");
+    } else if (result.kind != BeamKind::ancf && result.by_ancf() && !result.normal.isZero(0)) {
+      fail(kind, "moves in space; leave out 'planar', or take ancf");
+    } else if (result.by_ancf() && o.clamped_nodes.size() > 1) {
       fail(kind, "by absolute nodal coordinates is clamped at one end");
     }
   }
@@ -482,7 +487,7 @@ struct Reader {
   void read_mass_matrix(const Value& mass_matrix) {
     if (mass_matrix.choice({"consistent", "lumped"}).value_or(0) == 0) return;
     result.options.mass_matrix = fe::MassMatrix::lumped;
-    if (result.kind == BeamKind::ancf)
+    if (result.by_ancf())
       fail(mass_matrix,
            "cannot be lumped by absolute nodal coordinates, whose mass matrix is constant as it is; take "
            "beam: "

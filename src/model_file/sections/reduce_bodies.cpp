@@ -49,8 +49,11 @@ bool same(const FlexibleDescription& a, const FlexibleDescription& b) {
 }
 
 ReducedBody make_reduced(const FlexibleDescription& d) {
-  if (d.kind != BeamKind::ancf) return fe::reduce(d.mesh, d.options, d.frames);
-  return fe::ancf_beam(d.mesh, {d.options.clamped_nodes.front(), d.normal, d.options.stiffness_damping},
+  if (!d.by_ancf()) return fe::reduce(d.mesh, d.options, d.frames);
+  const AncfKind kind = d.kind == BeamKind::ancf         ? AncfKind::planar
+                        : d.kind == BeamKind::ancf_cable ? AncfKind::cable
+                                                         : AncfKind::thick;
+  return fe::ancf_beam(d.mesh, {kind, d.options.clamped_nodes.front(), d.normal, d.options.stiffness_damping},
                        d.frames);
 }
 

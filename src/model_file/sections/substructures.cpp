@@ -279,7 +279,10 @@ void move_outputs(Builder& builder, int body, int outputs_frame, const std::vect
 
 int mode_count(const FlexibleDescription& description) {
   const fe::ReductionOptions& o = description.options;
-  if (description.kind == BeamKind::ancf) return 4 * static_cast<int>(description.mesh.elements.size()) + 1;
+  const int elements = static_cast<int>(description.mesh.elements.size());
+  if (description.kind == BeamKind::ancf) return 4 * elements + 1;
+  if (description.kind == BeamKind::ancf_cable) return 6 * elements + 1;
+  if (description.kind == BeamKind::ancf_thick) return 18 * elements;
   if (!description.in_pieces())
     return static_cast<int>(o.boundary.size()) + o.dynamic_modes + o.axial_dynamic_modes;
   const auto paths = paths_of(description);

@@ -67,11 +67,13 @@ struct Substructures {
 
 /// What becomes of a body of bars.
 enum class BeamKind {
-  reduced,             ///< modes in one floating frame, or in that of each substructure
-  corotational,        ///< a floating frame for every element, which deforms with the ends of the element
-  ancf,                ///< absolute nodal coordinates, in a plane
-  segments,            ///< rigid bodies with springs against turning between them
-  stretching_segments  ///< likewise, with springs along and across, too
+  reduced,              ///< modes in one floating frame, or in that of each substructure
+  corotational,         ///< a floating frame for every element, which deforms with the ends of the element
+  ancf,                 ///< absolute nodal coordinates, in a plane
+  segments,             ///< rigid bodies with springs against turning between them
+  stretching_segments,  ///< likewise, with springs along and across, too
+  ancf_cable,           ///< absolute nodal coordinates in space: stretch and bending
+  ancf_thick            ///< likewise, with shear and twist
 };
 
 /// A beam frame ready to be reduced, in body axes.
@@ -87,6 +89,9 @@ struct FlexibleDescription {
   Substructures substructures;
 
   bool in_segments() const { return kind == BeamKind::segments || kind == BeamKind::stretching_segments; }
+  bool by_ancf() const {
+    return kind == BeamKind::ancf || kind == BeamKind::ancf_cable || kind == BeamKind::ancf_thick;
+  }
   bool in_pieces() const { return substructures.count > 1 || kind == BeamKind::corotational; }
 };
 /// Amplitudes that the description has: of all pieces, one after the other.

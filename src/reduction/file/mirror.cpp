@@ -1,5 +1,6 @@
 #include "reduction/file/mirror.h"
 
+#include <stdexcept>
 #include <utility>
 
 namespace mimbre {
@@ -89,6 +90,8 @@ double load_sign(int load, const Mirror& m) {
 }  // namespace
 
 ReducedBody mirrored(const ReducedBody& body, const Vector3d& signs) {
+  if (body.ancf && body.ancf->kind == AncfKind::thick)
+    throw std::invalid_argument("a thick beam by absolute nodal coordinates is mirrored as a mesh");
   const Mirror m(signs);
   ReducedBody image = body;
   image.first_moment = m.vector.cwiseProduct(body.first_moment);
@@ -99,8 +102,9 @@ ReducedBody mirrored(const ReducedBody& body, const Vector3d& signs) {
     frame.position = m.vector.cwiseProduct(frame.position).eval();
     frame.rotation = (m.vector.asDiagonal() * frame.rotation * m.vector.asDiagonal()).eval();
     sign_rows(frame.X, m.vector);
-    // Absolute nodal coordinates have changes of slope there, which are vectors.
-    sign_rows(frame.X_theta, body.ancf ? m.vector : m.pseudo_vector);
+    // Absolute nodal coordinates may have changes of slope there, which are vectors.
+    const bool slopes = body.ancf && body.ancf->kind != AncfKind::thick;
+    sign_rows(frame.X_theta, slopes ? m.vector : m.pseudo_vector);
   }
 
   sign_rows(image.nodes, m.vector);

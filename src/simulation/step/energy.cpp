@@ -401,7 +401,7 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
       extend(f, y);
       double* forces = yd + f.stride;
       std::fill(forces, forces + f.stride, 0.0);
-      if (!f.ancf.empty()) {
+      if (f.absolute()) {
         ancf::add_forces(f, 0, 1, y, yd, forces);
         e.elastic += ancf::energy(f, y);
       }
@@ -413,7 +413,7 @@ void EnergyMeter::observe(relative::RelativeSystem& system, const State& s) {
         if (f.diagonal_stiffness) {
           elastic = f.stiffness(k, k) * y[k];
           damping = f.damping(k, k) * yd[k];
-        } else if (f.ancf.empty()) {
+        } else if (!f.absolute()) {
           for (int l = 0; l < f.modes; ++l) {
             elastic += f.stiffness(l, k) * y[l];
             damping += f.damping(l, k) * yd[l];

@@ -347,7 +347,7 @@ std::string BodyValidity::warning() const {
 
 ValidityMonitor::ValidityMonitor(const Compiled& m) : held_(m) {
   for (std::size_t b = 0; b < m.bodies.size(); ++b) {
-    if (m.bodies[b].modes == 0 || !m.flexible[m.bodies[b].flexible].ancf.empty()) continue;
+    if (m.bodies[b].modes == 0 || m.flexible[m.bodies[b].flexible].absolute()) continue;
     const auto& held = held_.bodies();
     if (std::find(held.begin(), held.end(), static_cast<int>(b)) != held.end())
       of_held_.push_back(bodies_.size());

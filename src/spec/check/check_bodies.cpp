@@ -22,12 +22,40 @@ void check_rigid(const CheckedItem& item, const spec::Model& model, std::size_t 
   if (fault && fault->harmless.empty()) item.error((body.mass > 0 ? "inertia " : "") + fault->what);
 }
 
+void check_spatial_ancf(const CheckedItem& item, const ReducedBody& body) {
+  const AncfBeam& beam = *body.ancf;
+  for (std::size_t k = 0; k < beam.spatial.size(); ++k) {
+    const AncfBeam::SpatialElement& e = beam.spatial[k];
+    const auto what = [&](const char* name) {
+      return fmt::format("reduced body: beam: element {}: {}", k, name);
+    };
+    item.positive(what("length"), e.length);
+    item.not_negative(what("axial"), e.axial);
+    item.not_negative(what("bending_y"), e.bending_y);
+    item.not_negative(what("bending_z"), e.bending_z);
+    item.not_negative(what("torsion"), e.torsion);
+    item.not_negative(what("shear_y"), e.shear_y);
+    item.not_negative(what("shear_z"), e.shear_z);
+    item.not_negative(what("section_shear"), e.section_shear);
+    for (const int amplitude : e.amplitudes) item.between(what("amplitude"), amplitude, -1, body.modes - 1);
+  }
+  if (beam.kind == AncfKind::thick && beam.sections.size() != body.frames.size())
+    item.error("reduced body: beam: each frame needs the amplitudes of its section");
+  for (const auto& section : beam.sections)
+    for (const int amplitude : section)
+      item.between("reduced body: beam: amplitude of a section", amplitude, -1, body.modes - 1);
+}
+
 void check_ancf(const CheckedItem& item, const ReducedBody& body) {
   const AncfBeam& beam = *body.ancf;
   item.not_negative("reduced body: beam: stiffness_damping", beam.stiffness_damping);
+  if (!item.enumerator("reduced body: beam: kind", beam.kind, 3)) return;
   const auto unit = [](const Eigen::Vector3d& v) { return std::abs(v.norm() - 1) < 1e-6; };
   if (!unit(beam.along) || !unit(beam.normal) || !(std::abs(beam.along.dot(beam.normal)) < 1e-6))
     item.error("reduced body: beam: along and normal must be unit vectors at right angles");
+  if ((beam.kind == AncfKind::planar ? beam.spatial.size() : beam.elements.size()) > 0)
+    item.error("reduced body: beam: has elements of another kind");
+  check_spatial_ancf(item, body);
   for (std::size_t k = 0; k < beam.elements.size(); ++k) {
     const AncfBeam::Element& e = beam.elements[k];
     const auto what = [&](const char* name) {
