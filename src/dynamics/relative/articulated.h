@@ -1,11 +1,11 @@
 #pragma once
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "compile/by_bodies.h"
 #include "dynamics/relative/assembly.h"
+#include "dynamics/relative/body_block.h"
 
 /// The leading matrix of a tree factorised body by body, from the leaves to the root, in a time proportional
 /// to the number of bodies (articulated bodies: Featherstone 2008, chapter 7; with modes: each body
@@ -62,6 +62,7 @@ class ArticulatedBodies {
 
  private:
   using Spatial = T[6];
+  using Six = std::integral_constant<int, 6>;
   struct Body {
     std::size_t coupling = 0,
                 pivot = 0;  ///< places of C, then K (row k of coordinate k), and D (rows), then its L D Lᵀ
@@ -69,17 +70,15 @@ class ArticulatedBodies {
     T force[6], motion[6];  ///< f; U
   };
 
-  /// The subspace at the frame that carries a body's joint.
-  static const MotionSubspace& carrier(const Compiled& m, const BodyData& b) {
-    const FrameData& frame = m.frames[b.inboard_frame];
-    return m.subspaces[frame.flexible < 0 ? m.bodies[b.parent].subspace : frame.subspace];
-  }
   template <class Marks>
   void begin(const Compiled& m, Workspace<T>& w, const MatrixWeights& weights, const double* penalty,
              Marks& marks);
   void add_element(const Compiled& m, const Workspace<T>& w, std::size_t k, const ElementState<T>& state,
                    const MatrixWeights& weights);
-  void add_inertia(const T (&inertia)[6][6], const T* S, int stride, int n, Body& body);
+  void add_inertia(const T (&inertia)[6][6], const T* S, int stride, int n, Body& body) {
+    relative::add_inertia(&inertia[0][0], 6, S, stride, n, &body.inertia[0][0], Six(),
+                          couplings_.data() + body.coupling, pivots_.data() + body.pivot, n);
+  }
   T& pivot(const Compiled& m, int body, int local) {
     const auto i = static_cast<std::size_t>(body);
     return pivots_[bodies_[i].pivot + static_cast<std::size_t>(local * (m.bodies[i].size() + 1))];
@@ -87,33 +86,21 @@ class ArticulatedBodies {
   linalg::BlockPlace block(std::size_t i, const BodyData& b) const {
     return {static_cast<std::ptrdiff_t>(bodies_[i].pivot), b.size(), 1};
   }
-  void add_own(const Compiled& m, Workspace<T>& w, const T* q, std::size_t i);
-  int eliminate(const BodyData& b, Body& body);
+  void add_own(const Compiled& m, Workspace<T>& w, const T* q, std::size_t i) {
+    Body& body = bodies_[i];
+    add_body<T>(m, w, q, i, &body.inertia[0][0], Six(), couplings_.data() + body.coupling,
+                pivots_.data() + body.pivot, m.bodies[i].size());
+  }
+  int eliminate(const BodyData& b, Body& body) {
+    return relative::eliminate<T>(b.size(), pivots_.data() + body.pivot, couplings_.data() + body.coupling,
+                                  &body.inertia[0][0], Six());
+  }
   void add_to_parent(const Compiled& m, const Workspace<T>& w, const BodyData& b, const Body& body);
 
   std::vector<Body> bodies_;
   std::vector<OnBody> acts_on_;  ///< by element
   std::vector<T> couplings_, pivots_;
 };
-
-/// What has the inertia about the common point moves with U + S x, adds to P, C and D.
-template <class T>
-void ArticulatedBodies<T>::add_inertia(const T (&inertia)[6][6], const T* S, int stride, int n, Body& body) {
-  T* C = couplings_.data() + body.coupling;
-  T* D = pivots_.data() + body.pivot;
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j) body.inertia[i][j] += inertia[i][j];
-  for (int r = 0; r < n; ++r) {
-    Spatial force;  // of one coordinate
-    for (int i = 0; i < 6; ++i) {
-      force[i] = T(0);
-      for (int k = 0; k < 6; ++k) force[i] += inertia[i][k] * S[k * stride + r];
-      C[r * 6 + i] += force[i];
-    }
-    for (int c = r; c < n; ++c)
-      for (int k = 0; k < 6; ++k) D[c * n + r] += S[k * stride + c] * force[k];
-  }
-}
 
 /// Jᵀ (damping C + stiffness K) J of what acts on one body.
 template <class T>
@@ -191,96 +178,6 @@ void ArticulatedBodies<T>::begin(const Compiled& m, Workspace<T>& w, const Matri
 }
 
 template <class T>
-void ArticulatedBodies<T>::add_own(const Compiled& m, Workspace<T>& w, const T* q, std::size_t i) {
-  const BodyData& b = m.bodies[i];
-  Body& body = bodies_[i];
-  typename Workspace<T>::Composite own{T(0), Vec3<T>::Zero(), Mat3<T>::Zero()};
-  const MotionSubspace& set = m.subspaces[b.subspace];
-  const int n = b.size(), s = set.stride;
-  T* elastic = w.elastic_forces.data() + w.elastic_offset[i];
-  if (b.modes > 0) std::fill_n(elastic, 6 * s, T(0));
-  add_own_inertia<T>(m, w, i, q, own, elastic);
-
-  const Mat3<T> J = own.second.trace() * Mat3<T>::Identity() - own.second;
-  const Vec3<T>& d = own.moment;
-  const Mat3<T> cross = skew<T>(d);
-  for (int r = 0; r < 3; ++r) {
-    body.inertia[r][r] += own.mass;
-    for (int c = 0; c < 3; ++c) {
-      body.inertia[3 + r][3 + c] += J(r, c);
-      body.inertia[3 + r][c] += cross(r, c);
-      body.inertia[r][3 + c] -= cross(r, c);
-    }
-  }
-  // I S, and with it Sᵀ I S; then H.
-  const T* S = w.subspaces.data() + set.offset;
-  T* force = w.subspace_forces.data();
-  composite_times<T>(own, S, s, force);
-  T* C = couplings_.data() + body.coupling;
-  T* D = pivots_.data() + body.pivot;
-  for (int r = 0; r < n; ++r)
-    for (int c = 0; c <= r; ++c) {
-      T sum = T(0);
-      for (int k = 0; k < 6; ++k) sum += S[k * s + r] * force[k * s + c];
-      if (b.modes > 0)
-        for (int k = 0; k < 6; ++k)
-          sum += S[k * s + r] * elastic[k * s + c] + elastic[k * s + r] * S[k * s + c];
-      D[r * n + c] += sum;
-    }
-  for (int r = 0; r < n; ++r)
-    for (int k = 0; k < 6; ++k) {
-      C[r * 6 + k] += force[k * s + r];
-      if (b.modes > 0) C[r * 6 + k] += elastic[k * s + r];
-    }
-  if (b.modes == 0) return;
-  const FlexibleData& f = m.flexible[b.flexible];
-  const auto add = [&](const auto* modal_mass) {
-    for (int r = 0; r < b.modes; ++r)
-      for (int c = 0; c <= r; ++c)
-        D[(b.joint_velocities + r) * n + b.joint_velocities + c] += modal_mass[r * f.stride + c];
-  };
-  if (f.products.empty())
-    add(constant_inertia(m, w, b).modal_mass.data());
-  else
-    add(w.folded.data());
-}
-
-/// D = L Δ Lᵀ in place, K in place of C, A in place of P.
-template <class T>
-int ArticulatedBodies<T>::eliminate(const BodyData& b, Body& body) {
-  const int n = b.size();
-  T* D = pivots_.data() + body.pivot;
-  T* C = couplings_.data() + body.coupling;
-  for (int j = 0; j < n; ++j) {
-    for (int k = 0; k < j; ++k) {
-      const T share = D[j * n + k] * D[k * n + k];
-      for (int r = j; r < n; ++r) D[r * n + j] -= D[r * n + k] * share;
-    }
-    const T size = std::abs(D[j * n + j]);
-    if (!(size > T(0) && size < std::numeric_limits<T>::infinity())) return j;
-    const T inverse = T(1) / D[j * n + j];
-    for (int r = j + 1; r < n; ++r) D[r * n + j] *= inverse;
-  }
-  // Rows of C become L⁻¹ Cᵀ; A = P − (L⁻¹ Cᵀ)ᵀ Δ⁻¹ (L⁻¹ Cᵀ).
-  for (int r = 0; r < n; ++r) {
-    for (int k = 0; k < r; ++k)
-      for (int c = 0; c < 6; ++c) C[r * 6 + c] -= D[r * n + k] * C[k * 6 + c];
-    const T inverse = T(1) / D[r * n + r];
-    for (int i = 0; i < 6; ++i) {
-      const T share = inverse * C[r * 6 + i];
-      for (int j = 0; j < 6; ++j) body.inertia[i][j] -= share * C[r * 6 + j];
-    }
-  }
-  for (int r = n; r-- > 0;) {
-    const T inverse = T(1) / D[r * n + r];
-    for (int c = 0; c < 6; ++c) C[r * 6 + c] *= inverse;
-    for (int k = r + 1; k < n; ++k)
-      for (int c = 0; c < 6; ++c) C[r * 6 + c] -= D[k * n + r] * C[k * 6 + c];
-  }
-  return -1;
-}
-
-template <class T>
 void ArticulatedBodies<T>::add_to_parent(const Compiled& m, const Workspace<T>& w, const BodyData& b,
                                          const Body& body) {
   const MotionSubspace& set = carrier(m, b);
@@ -349,12 +246,7 @@ void ArticulatedBodies<T>::solve(const Compiled& m, const Workspace<T>& w, T* x)
     T* y = x + b.v;
     for (int r = 0; r < n; ++r)
       for (int c = 0; c < 6; ++c) body.force[c] -= K[r * 6 + c] * y[r];
-    for (int r = 0; r < n; ++r)
-      for (int k = 0; k < r; ++k) y[r] -= D[r * n + k] * y[k];
-    for (int r = n; r-- > 0;) {
-      y[r] /= D[r * n + r];
-      for (int k = r + 1; k < n; ++k) y[r] -= D[k * n + r] * y[k];
-    }
+    divide(D, n, y);
     if (b.parent < 0) continue;
     Body& up = bodies_[static_cast<std::size_t>(b.parent)];
     const BodyData& parent = m.bodies[b.parent];

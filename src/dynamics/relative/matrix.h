@@ -446,10 +446,9 @@ void element_rows(const Compiled& m, Workspace<T>& w, const ElementData& e, cons
   }
 }
 
-/// Jacobian rows of loops, of constraints and of what elements measure, contacts that touch among them, after
-/// motion_subspaces().
+/// Jacobian rows of loops and of constraints, after motion_subspaces().
 template <class T>
-void jacobian(const Compiled& m, Workspace<T>& w) {
+void equation_rows(const Compiled& m, Workspace<T>& w) {
   for (const LoopData& loop : m.loops)
     for (int r = 0; r < loop.count; ++r) {
       const int k = loop.first_equation + r;
@@ -457,6 +456,12 @@ void jacobian(const Compiled& m, Workspace<T>& w) {
                       w.jacobian.data() + loop.jacobian + r * loop.path.width);
     }
   for (const ConstraintData& c : m.constraints) constraint_rows<T>(m, w, c, w.jacobian.data() + c.jacobian);
+}
+
+/// The same, and of what elements measure, contacts that touch among them.
+template <class T>
+void jacobian(const Compiled& m, Workspace<T>& w) {
+  equation_rows(m, w);
   for (const ElementData& e : m.elements) {
     if (e.path.entries.empty() || e.measure == Measure::sum) continue;
     const ElementState<T> s = element_state(e, w.elements.data());
