@@ -28,7 +28,8 @@ struct Simulation {
     penalty,           ///< stabilised constraints by penalty alone
     index1_augmented,  ///< penalty with iterated multipliers
     independent,       ///< independent coordinates by a second velocity transformation
-    global_modes       ///< loops by tables: a joint coordinate and modes of the whole loop
+    global_modes,      ///< loops by tables: a joint coordinate and modes of the whole loop
+    transfer_matrices  ///< index3 with Riccati transfer matrices, swept along the chain
   } formalism = Formalism::index3;
   enum class Integrator {
     generalized_alpha,
@@ -77,7 +78,7 @@ struct RunOptions {
   std::optional<double> energy_tolerance;
   /// For real time: a step is made once, with at most so many iterations, and taken as it is then, though
   /// they have not converged (StepReport::unconverged). Nothing repeats a step, or begins one anew where an
-  /// input jumps. Of the formalism index3.
+  /// input jumps. Of the formalisms index3 and transfer_matrices.
   std::optional<bool> fixed_cost;
   /// What inputs and tunable parameters start with, by name, within their ranges; others with the model's
   /// values. The start, its equilibrium and all that is observed there are those of a model with these

@@ -10,8 +10,9 @@ namespace mimbre::method_names {
 
 inline constexpr std::array formulations{"relative", "natural"};
 inline constexpr std::array inertias{"integrals", "projection", "projection_translations"};
-inline constexpr std::array formalisms{"index3",           "index1",      "baumgarte",   "penalty",
-                                       "index1_augmented", "independent", "global_modes"};
+inline constexpr std::array formalisms{"index3",       "index1",           "baumgarte",
+                                       "penalty",      "index1_augmented", "independent",
+                                       "global_modes", "transfer_matrices"};
 inline constexpr std::array integrators{"generalized_alpha", "newmark", "hht", "conserve", "rk4",
                                         "dopri853",          "radau",   "auto"};
 

@@ -619,7 +619,7 @@ class Simulation(TypedDict, total=False):
     # evaluation.
     inertia: Literal["integrals", "projection", "projection_translations"]
     # How the constraints enter the equations of motion.
-    formalism: Literal["index3", "index1", "baumgarte", "penalty", "index1_augmented", "independent", "global_modes"]
+    formalism: Literal["index3", "index1", "baumgarte", "penalty", "index1_augmented", "independent", "global_modes", "transfer_matrices"]
     # Of the iterations, relative; default: 1e-5.
     tolerance: Number
     # Weight of the constraints; default: that of the formalism.

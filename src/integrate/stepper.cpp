@@ -18,6 +18,7 @@ std::unique_ptr<Stepper> make_stepper(System& system, spec::Simulation::Formalis
   if (options.rule == IntegratorOptions::Rule::radau) return std::make_unique<RadauStepper>(system, options);
   switch (formalism) {
     case Formalism::index3:
+    case Formalism::transfer_matrices:  // by another solution in the system
       break;
     case Formalism::index1:
       return std::make_unique<LagrangeStepper>(system, options, false);

@@ -240,7 +240,8 @@ void measure(const std::shared_ptr<const Model>& model, const RealTimePlanOption
   c.max_iterations = c.most_iterations + spare_iterations;
   // A situation that the manoeuvre does not contain must neither end a drive nor take longer.
   c.fixed_cost = c.substeps == 1 && o.run.fixed_cost.value_or(true) &&
-                 simulation.method().formalism == spec::Simulation::Formalism::index3;
+                 (simulation.method().formalism == spec::Simulation::Formalism::index3 ||
+                  simulation.method().formalism == spec::Simulation::Formalism::transfer_matrices);
   if (c.p9999 > o.load * c.step / o.loop.speed)
     c.failure = "too slow";
   else if (!std::isfinite(c.error))

@@ -62,7 +62,8 @@ constexpr RunOption table[] = {
              "penalty: penalty alone\n"
              "index1_augmented: penalty with iterated multipliers\n"
              "independent: independent coordinates\n"
-             "global_modes: loops by tables over one coordinate and by modes of the loop",
+             "global_modes: loops by tables over one coordinate and by modes of the loop\n"
+             "transfer_matrices: index3, solved by a sweep along each chain of bodies",
      .in_headline = true},
     {.key = "integrator",
      .member = OptionMember<S::Integrator>{&S::integrator, &RunOptions::integrator},
@@ -248,8 +249,8 @@ std::optional<OptionConflict> conflict_of_integrators(const S& given, const RunO
   return {};
 }
 
-/// Steps of a fixed cost are made once, by index3, in two iterations at least: the first one may only find
-/// where to start from.
+/// Steps of a fixed cost are made once, by the iterations of index3, in two iterations at least: the first
+/// one may only find where to start from.
 std::optional<OptionConflict> conflict_of_fixed_cost(const S& given, const RunOptions& asked,
                                                      OptionNames names) {
   if (!asked.fixed_cost.value_or(given.fixed_cost)) return {};
@@ -270,8 +271,8 @@ std::optional<OptionConflict> conflict_of_fixed_cost(const S& given, const RunOp
   if (asked.energy_tolerance)
     return conflict("energy_tolerance", "makes each step once", fmt::format("{}", *asked.energy_tolerance));
   const S::Formalism formalism = asked.formalism.value_or(given.formalism);
-  if (formalism != S::Formalism::index3)
-    return conflict("formalism", "is of the formalism index3", name_of(formalism));
+  if (formalism != S::Formalism::index3 && formalism != S::Formalism::transfer_matrices)
+    return conflict("formalism", "is of the formalism index3 or transfer_matrices", name_of(formalism));
   if (asked.max_iterations.value_or(given.max_iterations) == 1)
     return conflict("max_iterations", "needs two iterations at least", "1");
   return {};

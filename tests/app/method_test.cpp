@@ -171,7 +171,8 @@ TEST_F(Method, WrongNamesAreAnsweredWithTheRightOnes) {
               HasSubstr("--formulation: 'natral' is not one of relative, natural (did you mean 'natural'?)"));
   EXPECT_THAT(error({"--inertia", "projektion"}), HasSubstr("did you mean 'projection'?"));
   EXPECT_THAT(error({"--formalism", "index2"}),
-              HasSubstr("index3, index1, baumgarte, penalty, index1_augmented, independent, global_modes"));
+              HasSubstr("index3, index1, baumgarte, penalty, index1_augmented, independent, global_modes, "
+                        "transfer_matrices"));
   EXPECT_THAT(error({"--integrator", "newmak"}), HasSubstr("did you mean 'newmark'?"));
   EXPECT_THAT(error({"--integrator", "newmark", "--rho", "0.5"}), HasSubstr("newmark has --integrator-xi"));
   EXPECT_THAT(error({"--integrator", "hht", "--integrator-xi", "0"}), HasSubstr("hht has --rho"));
@@ -194,9 +195,9 @@ TEST_F(Method, AParameterDoesNotReplaceConserve) {
 TEST_F(Method, HelpExplainsTheNames) {
   for (const char* command : {"run", "bench", "check", "verify"}) {
     const std::string help = run({command, "--help"}).out;
-    for (const char* word :
-         {"integrals", "projection", "projection_translations", "index3", "index1", "baumgarte", "penalty",
-          "index1_augmented", "independent", "global_modes", "generalized_alpha", "newmark", "hht"})
+    for (const char* word : {"integrals", "projection", "projection_translations", "index3", "index1",
+                             "baumgarte", "penalty", "index1_augmented", "independent", "global_modes",
+                             "transfer_matrices", "generalized_alpha", "newmark", "hht"})
       EXPECT_THAT(help, HasSubstr(word)) << command;
   }
   EXPECT_THAT(run({"static", "--help"}).out, HasSubstr("natural"));

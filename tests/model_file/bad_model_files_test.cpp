@@ -691,11 +691,12 @@ INSTANTIATE_TEST_SUITE_P(
                 7,
                 {"inertia", "did you mean 'projection'?"},
                 sound + "simulation: {inertia: projecton}\n"},
-        Mistake{
-            "Formalism",
-            7,
-            {"formalism", "index3, index1, baumgarte, penalty, index1_augmented, independent, global_modes"},
-            sound + "simulation: {formalism: lagrange}\n"},
+        Mistake{"Formalism",
+                7,
+                {"formalism",
+                 "index3, index1, baumgarte, penalty, index1_augmented, independent, global_modes, "
+                 "transfer_matrices"},
+                sound + "simulation: {formalism: lagrange}\n"},
         Mistake{"InputNamedAsAChoice",
                 8,
                 {"input 'stiff'",

@@ -494,9 +494,13 @@ TEST(ModelFile, MethodOfTheSimulation) {
   EXPECT_EQ(s.rho, 0.5);
   EXPECT_EQ(of("{inertia: projection}").inertia, S::Inertia::projection);
   const std::vector<std::pair<std::string, S::Formalism>> formalisms{
-      {"index3", S::Formalism::index3},           {"index1", S::Formalism::index1},
-      {"baumgarte", S::Formalism::baumgarte},     {"penalty", S::Formalism::penalty},
-      {"independent", S::Formalism::independent}, {"global_modes", S::Formalism::global_modes}};
+      {"index3", S::Formalism::index3},
+      {"index1", S::Formalism::index1},
+      {"baumgarte", S::Formalism::baumgarte},
+      {"penalty", S::Formalism::penalty},
+      {"independent", S::Formalism::independent},
+      {"global_modes", S::Formalism::global_modes},
+      {"transfer_matrices", S::Formalism::transfer_matrices}};
   for (const auto& [name, formalism] : formalisms)
     EXPECT_EQ(of("{formalism: " + name + "}").formalism, formalism);
 }

@@ -122,6 +122,18 @@ TEST(AllocationByTablesOfLoops, None) {
   }
 }
 
+/// By transfer matrices: of trees, of loops, and of forces between bodies that are not neighbours.
+TEST(AllocationByTransferMatrices, None) {
+  RunOptions options;
+  options.formalism = spec::Simulation::Formalism::transfer_matrices;
+  for (const char* file : {"pendulum/flexible.yaml", "robot/model.yaml", "iltis/vehicle.yaml"}) {
+    Simulation s(example(file), options);
+    EXPECT_EQ(allocations_of(s, 300), 0) << file;
+  }
+  Simulation geared(geared_four_bar(), options);
+  EXPECT_EQ(allocations_of(geared, 200), 0);
+}
+
 /// Drives, expressions of time, quaternion joints, flexible bodies and a singular position.
 TEST_P(Allocation, NoneInOtherMechanisms) {
   for (const char* file :

@@ -571,7 +571,8 @@ TEST(Formulations, TheSlowOneIsAdvisedAgainst) {
                      formulation);
   };
   EXPECT_EQ(advice(30, Formulation::relative), "");
-  EXPECT_THAT(advice(80, Formulation::relative), testing::HasSubstr("--formulation natural"));
+  EXPECT_THAT(advice(80, Formulation::relative),
+              testing::HasSubstr("; --formalism transfer_matrices or --formulation natural"));
   EXPECT_EQ(advice(80, Formulation::natural), "");
 }
 

@@ -183,6 +183,8 @@ TEST_P(SavedState, GoesOnWithTheSameBitsByEveryMethod) {
         if (options.formalism == Formalism::global_modes &&
             (options.formulation == Formulation::natural || !GetParam().has_tables))
           continue;
+        if (options.formalism == Formalism::transfer_matrices && options.formulation == Formulation::natural)
+          continue;
         SCOPED_TRACE(fmt::format("{} {} {}", method_names::formulations[formulation],
                                  method_names::formalisms[formalism], method_names::integrators[integrator]));
         Simulation a(model, options);
@@ -200,7 +202,7 @@ TEST_P(SavedState, GoesOnWithTheSameBitsByEveryMethod) {
         ASSERT_TRUE(course(b, after) == straight) << "in another simulation, after " << before << " steps";
         ++made;
       }
-  EXPECT_EQ(made, GetParam().has_tables ? 60 : 56);
+  EXPECT_EQ(made, GetParam().has_tables ? 64 : 60);
 }
 
 TEST(SavedState, OfAnotherModelOrMethodIsRefused) {

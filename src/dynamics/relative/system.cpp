@@ -10,6 +10,7 @@
 #include "dynamics/relative/assembly.h"
 #include "dynamics/relative/evaluation.h"
 #include "dynamics/relative/retract.h"
+#include "dynamics/relative/transfer_matrices.h"
 #include "dynamics/relative/workspace_impl.h"
 #include "mimbre/diagnostics.h"
 
@@ -156,12 +157,25 @@ linalg::FactorStatus RelativeSystem::factor_by_bodies(const double* q, const Mat
                                KeptMarks{marks_, tangents_, couplings_, marks_.ancf()})};
 }
 
+void RelativeSystem::use_transfer_matrices() {
+  transfer_ = std::make_unique<TransferMatrices<double>>(model_);
+}
+
+linalg::FactorStatus RelativeSystem::factor_by_transfer(const double* q, const MatrixWeights& weights) {
+  motion_subspaces<double>(model_, work_, q);
+  ++matrices_;
+  return {transfer_->factor(model_, work_, q, weights, penalty_.data(),
+                            KeptMarks{marks_, tangents_, couplings_, marks_.ancf()})};
+}
+
 linalg::FactorStatus RelativeSystem::factor_inertia(const double* q, double penalty) {
   const MatrixWeights weights{0, 0, penalty};
+  if (transfer_) return factor_by_transfer(q, weights);
   return articulated_ ? factor_by_bodies(q, weights) : factor(q, weights);
 }
 
 linalg::FactorStatus RelativeSystem::factor(const double* q, const MatrixWeights& weights) {
+  if (transfer_) return factor_by_transfer(q, weights);
   if (always_by_bodies_) return factor_by_bodies(q, weights);
   by_bodies_ = false;
   assemble(q, weights);
@@ -170,7 +184,7 @@ linalg::FactorStatus RelativeSystem::factor(const double* q, const MatrixWeights
 }
 
 linalg::FactorStatus RelativeSystem::factor_tangents(const double* q, const MatrixWeights& weights) {
-  if (always_by_bodies_ || !tangents_.possible()) return factor(q, weights);
+  if (transfer_ || always_by_bodies_ || !tangents_.possible()) return factor(q, weights);
   by_bodies_ = false;
   ++matrices_;
   tangents_.exchange(model_, work_, weights, factor_.values(), [&](std::size_t k, const auto& state) {
@@ -180,6 +194,13 @@ linalg::FactorStatus RelativeSystem::factor_tangents(const double* q, const Matr
 }
 
 void RelativeSystem::transfer_matrix(StateTransfer& transfer) {
+  if (transfer_) {
+    transfer_->transfer(transfer);
+    for (double& x : work_.subspaces) transfer(x);
+    for (double& x : work_.jacobian) transfer(x);
+    if (transfer.restoring()) ++matrices_;
+    return;
+  }
   if (always_by_bodies_) {
     articulated_->transfer(transfer);
     for (double& x : work_.subspaces) transfer(x);
@@ -198,6 +219,7 @@ void RelativeSystem::transfer_matrix(StateTransfer& transfer) {
 }
 
 void RelativeSystem::solve(double* x) const {
+  if (transfer_) return transfer_->solve(model_, work_, x);
   if (by_bodies_) return articulated_->solve(model_, work_, x);
   couplings_.solve(x, [this](double* y) { factor_.solve(y); });
 }

@@ -11,6 +11,8 @@ namespace mimbre::relative {
 
 template <class T>
 class ArticulatedBodies;
+template <class T>
+class TransferMatrices;
 
 /// The semi-recursive formulation in relative coordinates (Lugrís 2008, chapter 2) behind the System
 /// interface.
@@ -64,6 +66,9 @@ class RelativeSystem final : public System {
   bool has_loads_of_inertia() const override;
   void add_loads_of_inertia(const double* q, const double* a, double* r) override;
 
+  /// From now on factor() sweeps along the bodies, whatever their number and what couples them. Allocates.
+  void use_transfer_matrices();
+
   /// Assembles the sparse matrix without factorising: for tests and analyses. Same arguments as factor().
   void assemble(const double* q, const MatrixWeights& weights);
   /// Multiplies the assembled (not factorised) matrix: y = A x.
@@ -79,6 +84,7 @@ class RelativeSystem final : public System {
   Eigen::VectorXd residual_of_wrenches(const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                                        const Eigen::VectorXd& a, int frame, int direction);
   linalg::FactorStatus factor_by_bodies(const double* q, const MatrixWeights& weights);
+  linalg::FactorStatus factor_by_transfer(const double* q, const MatrixWeights& weights);
 
   const Compiled& model_;
   Workspace<double> work_;
@@ -94,6 +100,7 @@ class RelativeSystem final : public System {
   /// Of trees: their matrix by bodies. Always, where there is no sparse one; and whether solve() takes it.
   std::unique_ptr<ArticulatedBodies<double>> articulated_;
   bool always_by_bodies_ = false, by_bodies_ = false;
+  std::unique_ptr<TransferMatrices<double>> transfer_;  ///< of that formalism, whose solve() takes it
 };
 
 /// Velocity at the common point and angular velocity etc. of a frame that is not needed in the step, for

@@ -60,8 +60,9 @@ Method resolve_method(const spec::Simulation& given, const RunOptions& options) 
   if (m.max_iterations == 0)
     m.max_iterations = m.fixed_cost ? default_fixed_iterations : defaults.max_iterations;
   // Other formalisms and Newmark's rule are there to be seen as they are.
-  const bool repeats = (m.formalism == spec::Simulation::Formalism::index3 ||
-                        m.formalism == spec::Simulation::Formalism::global_modes) &&
+  using Formalism = spec::Simulation::Formalism;
+  const bool repeats = (m.formalism == Formalism::index3 || m.formalism == Formalism::transfer_matrices ||
+                        m.formalism == Formalism::global_modes) &&
                        m.integrator != Rule::newmark && m.integrator != Rule::conserve;
   if (m.fixed_cost || m.accuracy > 0)
     m.substeps = 1;

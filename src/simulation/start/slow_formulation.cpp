@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "dynamics/natural/once/layout.h"
+#include "mimbre/method_names.h"
 
 namespace mimbre {
 namespace {
@@ -29,7 +30,10 @@ double operations(const linalg::BlockSymbolic& symbolic) {
 }  // namespace
 
 std::string explain_slow_formulation(const Simulation& simulation) {
-  if (simulation.method().formulation != spec::Simulation::Formulation::relative) return {};
+  const Method& method = simulation.method();
+  if (method.formulation != spec::Simulation::Formulation::relative ||
+      method.formalism == spec::Simulation::Formalism::transfer_matrices)
+    return {};
   const Compiled& m = simulation.model().compiled();
   const double relative = operations(m.symbolic);
   if (!(relative > many)) return {};
@@ -37,8 +41,9 @@ std::string explain_slow_formulation(const Simulation& simulation) {
   if (!(relative > times_slower * natural)) return {};
   return fmt::format(
       "the matrix of {} relative coordinates takes {:.2g} operations to factorise, {:.0f} times as many as "
-      "that of natural ones; --formulation natural is the fast choice for so long a chain",
-      m.velocities, relative, relative / natural);
+      "that of natural ones; {}--formulation natural is the fast choice for so long a chain",
+      m.velocities, relative, relative / natural,
+      is_runge_kutta(method.integrator) ? "" : "--formalism transfer_matrices or ");
 }
 
 }  // namespace mimbre

@@ -3,6 +3,7 @@
 #include "dynamics/relative/forces.h"
 #include "simulation/start/assembly.h"
 #include "simulation/start/elastodynamics.h"
+#include "simulation/start/transfer_matrices.h"
 #include "simulation/step/signal_state.h"
 
 namespace mimbre {
@@ -14,6 +15,8 @@ Mechanism::Mechanism(const Compiled& compiled, const Method& method)
       system(natural ? static_cast<System&>(*natural) : observer),
       generalised_(compiled.velocities) {
   refuse_elastodynamics(compiled, method);
+  refuse_transfer_matrices(compiled, method);
+  if (method.formalism == spec::Simulation::Formalism::transfer_matrices) observer.use_transfer_matrices();
 }
 
 void Mechanism::observe() { observe_other(state); }
