@@ -375,5 +375,30 @@ TEST(Trim, IltisUndersteersAsInItsRuns) {
   EXPECT_NEAR(gradient(rack), found[0], 0.015 * found[0]);
 }
 
+/// Links bend fast and little: the slow modes of the car are those of one that does not bend. Its stiffness
+/// of 1e13 1/s² beside them must not take them for rigid motions.
+TEST(Trim, IltisModesAreThoseOfRigidLinks) {
+  for (const double speed : {10., 20.}) {
+    std::vector<std::vector<std::complex<double>>> slow;
+    for (const std::string kind : {"rigid", "flexible"}) {
+      const auto model = example("iltis/steady.yaml", {{"arms", kind}, {"links", kind}, {"rods", kind}});
+      TrimConditions c;
+      c.speed = speed;
+      c.find = {"throttle"};
+      const LinearisedModes found = modes_at(model, c);
+      EXPECT_EQ(rigid_ones(found), 6) << kind;  // x, y, four wheels; the heading begins a chain
+      slow.emplace_back();
+      for (const Mode& m : found.modes)
+        if (m.kind != Mode::Kind::rigid && std::abs(m.value) < 19) slow.back().push_back(m.value);
+    }
+    // The speed that the throttle lets go, roll, pitch, bounce, and yaw: a pair or two real ones.
+    ASSERT_EQ(slow[0].size(), speed < 15 ? 6 : 5);
+    ASSERT_EQ(slow[1].size(), slow[0].size());
+    for (std::size_t k = 0; k < slow[0].size(); ++k)
+      EXPECT_LE(std::abs(slow[1][k] - slow[0][k]), 5e-3 * std::abs(slow[0][k])) << slow[1][k];
+    EXPECT_NEAR(slow[1][0].real(), speed < 15 ? -0.0119 : -0.00595, 1e-4);
+  }
+}
+
 }  // namespace
 }  // namespace mimbre::test::trim_test

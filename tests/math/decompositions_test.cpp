@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
+#include <utility>
 
+#include "math/once/general_eigen.h"
 #include "support/dense.h"
 
 namespace mimbre::decompositions_test {
@@ -151,6 +155,29 @@ TEST(Decompositions, TheShortestSolutionHasNoPartInTheNullSpace) {
   EXPECT_LT(relative_difference(A * P * A, A), 1e-11);
   EXPECT_LT(relative_difference(P * A, (P * A).transpose()), 1e-11);
   EXPECT_LT(relative_difference(A * P, (A * P).transpose()), 1e-11);
+}
+
+/// Eigenvalues that rows and columns show are exact, whatever lies beside them, in any order: positions that
+/// act on nothing (0, 1, 2), with a rate that decays slowly (5), before and behind a core of 1e7 1/s (3, 4,
+/// 6).
+TEST(Decompositions, EigenvaluesThatTheMatrixShowsAreExact) {
+  MatrixXd A = MatrixXd::Zero(8, 8);
+  A.row(0) << 0, 20, 0, 0.3, -0.2, 0, 7e4, 1e5;
+  A.row(1) << 0, 0, 0, 1, 0.5, 0, -3e3, 2e5;
+  A.row(2) << 0, 0, 0, 0, 0, 1, 0, 4e5;
+  A.row(3) << 0, 0, 0, 0, 1e7, 0, 2e6, 3e6;
+  A.row(4) << 0, 0, 0, -1e7, -1e3, 0, 1e5, 5e6;
+  A.row(5) << 0, 0, 0, 1e6, -3e5, -0.006, 2e7, 6e6;
+  A.row(6) << 0, 0, 0, 3e5, 2e6, 0, -1e7, 7e6;
+  A(7, 7) = 0.125;
+  ComplexPairs pairs = general_eigen(A);
+  ASSERT_TRUE(pairs.ok);
+  for (const auto& [value, times] : {std::pair{0., 3}, {-0.006, 1}, {0.125, 1}})
+    EXPECT_EQ(std::count(pairs.values.begin(), pairs.values.end(), std::complex<double>(value)), times)
+        << value;
+  const Eigen::MatrixXcd left = A * pairs.vectors, right = pairs.vectors * pairs.values.asDiagonal();
+  for (Eigen::Index k = 0; k < 8; ++k)
+    EXPECT_LT((left.col(k) - right.col(k)).norm(), 1e-15 * A.norm()) << pairs.values[k];
 }
 
 TEST(Decompositions, ColumnsAreOrderedByWhatTheyAdd) {

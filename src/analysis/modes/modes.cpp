@@ -14,6 +14,7 @@
 #include "analysis/modes/mode_shapes.h"
 #include "analysis/modes/mode_shares.h"
 #include "analysis/modes/sparse_modes.h"
+#include "analysis/modes/zero_chains.h"
 #include "base/cpu_time.h"
 #include "math/elementary.h"
 #include "math/once/decompositions.h"
@@ -28,6 +29,8 @@ using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
 namespace {
+
+using linear::Zeros;
 
 /// Shares of the largest entry of a matrix in units of the mechanism: less is round-off.
 constexpr double nothing = 1e-9;
@@ -63,12 +66,6 @@ VectorXd state_scales(const linear::Reduced& r, const std::vector<double>& coord
   }
   return scale;
 }
-
-/// Motions that nothing resists: how often λ = 0 is an eigenvalue, and its vectors.
-struct Zeros {
-  int count = 0;
-  MatrixXd vectors;  ///< of the states
-};
 
 /// At rest in the coordinates, K y + … z = 0 and the rates of z vanish: the rank of that matrix G, along
 /// scales that are sizes of stiffness before anything cancels. A vector begins a chain of two (it may drift)
@@ -129,23 +126,21 @@ Zeros zeros_of(const linear::Linearised& at) {
   return out;
 }
 
-/// The same where constraints on velocities leave more coordinates than velocities. Chains are longer there:
-/// a disc's path goes by its heading, and its heading by its speed. `A` is in units of the mechanism. Null
-/// vectors are taken out by an orthogonal transformation until none is left: those of the rest are the next
-/// ones of the chains.
-Zeros staircase_zeros(const MatrixXd& A, double nothing_left = nothing, double rank_round_off = 1e-12) {
+/// Motions that come back after a period: zeros of A, the transition in units of the mechanism without 1.
+/// Null vectors are taken out by an orthogonal transformation until none is left: those of the rest are the
+/// next ones of the chains.
+Zeros staircase_zeros(const MatrixXd& A, double round_off) {
   Zeros out;
   out.vectors.resize(A.rows(), 0);
   MatrixXd rest = A;
   while (rest.rows() > 0) {
-    const bool any = rest.cwiseAbs().maxCoeff() > nothing_left * A.cwiseAbs().maxCoeff();
-    const MatrixXd free =
-        any ? null_space(rest, rank_round_off) : MatrixXd::Identity(rest.rows(), rest.rows());
+    const bool any = rest.cwiseAbs().maxCoeff() > round_off * A.cwiseAbs().maxCoeff();
+    const MatrixXd free = any ? null_space(rest, round_off) : MatrixXd::Identity(rest.rows(), rest.rows());
     if (free.cols() == 0) break;
     if (out.count == 0) out.vectors = free;
     out.count += static_cast<int>(free.cols());
     if (free.cols() == rest.rows()) break;
-    const MatrixXd other = null_space(free.transpose(), rank_round_off);
+    const MatrixXd other = null_space(free.transpose(), round_off);
     rest = (other.transpose() * rest * other).eval();
   }
   return out;
@@ -200,16 +195,19 @@ ComplexPairs pairs_of(const MatrixXd& A) {
   return pairs;
 }
 
-std::vector<Mode> eigen_modes(const linear::Linearised& at, const VectorXd& scale) {
+std::vector<Mode> eigen_modes(const linear::Linearised& at, const Scales& scales, const VectorXd& scale) {
   const linear::Reduced& r = at.reduced;
   if (r.A.rows() == 0) return {};
   const MatrixXd A = scale.cwiseInverse().asDiagonal() * r.A * scale.asDiagonal();
   // On wheels the path goes by the heading, too.
   const bool rolls = r.coordinates != r.speeds || at.trimmed;
-  const Zeros zeros = rolls ? staircase_zeros(A) : zeros_of(at);
+  const VectorXd sizes =
+      Eigen::Map<const VectorXd>(scales.coordinates.data(), std::ssize(scales.coordinates));
+  const Zeros zeros =
+      rolls ? linear::zero_chains(r, sizes(at.independent), sizes(at.moving), scales.acceleration)
+            : zeros_of(at);
   std::vector<Mode> modes =
-      rigid_modes(linear::echelon(rolls ? zeros.vectors : scale.cwiseInverse().asDiagonal() * zeros.vectors),
-                  r.coordinates, scale);
+      rigid_modes(linear::echelon(scale.cwiseInverse().asDiagonal() * zeros.vectors), r.coordinates, scale);
   const ComplexPairs pairs = pairs_of(A);
   const MatrixXcd left = complex_inverse(pairs.vectors);
   const std::vector<Eigen::Index> order = order_of(pairs.values, 0, zeros.count);
@@ -228,8 +226,7 @@ std::vector<Mode> floquet_modes(const linear::Linearised& at, const VectorXd& sc
                                 const linear::Transition& transition) {
   const int coordinates = at.reduced.coordinates;
   const MatrixXd& over = transition.over_period;
-  Zeros zeros = staircase_zeros(over - MatrixXd::Identity(over.rows(), over.cols()), transition_round_off,
-                                transition_round_off);
+  Zeros zeros = staircase_zeros(over - MatrixXd::Identity(over.rows(), over.cols()), transition_round_off);
   // At a critical speed motions come back after a period, too, that are not rigid.
   const MatrixXd A = scale.cwiseInverse().asDiagonal() * at.reduced.A * scale.asDiagonal();
   if (zeros.count > 0 && (A * zeros.vectors).norm() > 1e-6 * A.norm() * zeros.vectors.norm())
@@ -301,7 +298,7 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
   std::string why;
   const std::optional<linear::Transition> transition =
       varies(at) ? linear::find_transition(m, system, at, scale, why) : std::nullopt;
-  out.modes = transition ? floquet_modes(at, scale, *transition) : eigen_modes(at, scale);
+  out.modes = transition ? floquet_modes(at, scale, *transition) : eigen_modes(at, system.scales(), scale);
   if (transition) {
     out.period = transition->period;
     std::erase_if(out.model.warnings, [](const std::string& w) { return w.starts_with(linear::varying); });

@@ -2,7 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace mimbre {
 
@@ -35,16 +37,42 @@ VectorXd balance(MatrixXd& A) {
   return d;
 }
 
+/// Rows and columns in an order in which those with eigenvalues that the matrix shows lie outside: columns
+/// that are zero but for the diagonal, among those not yet taken, then such rows. The iteration splits them
+/// off without an error, and what is left is the better for it where zeros are multiple.
+std::vector<Index> isolated_outside(const MatrixXd& A) {
+  std::vector<Index> first, inside, last;
+  for (Index k = 0; k < A.rows(); ++k) inside.push_back(k);
+  const auto take = [&](std::vector<Index>& to, const auto& entry) {
+    const auto is_alone = [&](Index k) {
+      return std::all_of(inside.begin(), inside.end(), [&](Index i) { return i == k || entry(i, k) == 0; });
+    };
+    for (;;) {
+      const auto alone = std::find_if(inside.begin(), inside.end(), is_alone);
+      if (alone == inside.end()) return;
+      to.push_back(*alone);
+      inside.erase(alone);
+    }
+  };
+  take(first, [&](Index i, Index k) { return A(i, k); });
+  take(last, [&](Index i, Index k) { return A(k, i); });
+  first.insert(first.end(), inside.begin(), inside.end());
+  first.insert(first.end(), last.rbegin(), last.rend());
+  return first;
+}
+
 }  // namespace
 
 ComplexPairs general_eigen(const MatrixXd& A) {
   if (A.size() == 0) return {Eigen::VectorXcd(0), Eigen::MatrixXcd(0, 0), true};
   if (!A.allFinite()) return {};
-  MatrixXd balanced = A;
+  const std::vector<Index> order = isolated_outside(A);
+  MatrixXd balanced = A(order, order);
   const VectorXd d = balance(balanced);
   const Eigen::EigenSolver<MatrixXd> solver(balanced);
   if (solver.info() != Eigen::Success) return {};
-  Eigen::MatrixXcd vectors = d.asDiagonal() * solver.eigenvectors();
+  Eigen::MatrixXcd vectors(A.rows(), A.cols());
+  vectors(order, Eigen::all) = d.asDiagonal() * solver.eigenvectors();
   vectors.colwise().normalize();
   return {solver.eigenvalues(), vectors, true};
 }

@@ -5,8 +5,8 @@
 /// as decompositions.h is of the others.
 namespace mimbre {
 
-/// A x = λ x of any square A, vectors of length 1. A is balanced by powers of two first (Parlett, Reinsch,
-/// Numer. Math. 13, 1969).
+/// A x = λ x of any square A, vectors of length 1. Eigenvalues that A shows are put outside and A is balanced
+/// by powers of two first (Parlett, Reinsch, Numer. Math. 13, 1969).
 struct ComplexPairs {
   Eigen::VectorXcd values;
   Eigen::MatrixXcd vectors;
