@@ -29,6 +29,8 @@ constexpr double converged = 1e-11;
 /// Of the shift: λ is zero. It is a double root, which round-off splits.
 constexpr double zero = 1e-5;
 constexpr double same_vector = 1e-5;
+/// Of the shift: slow motions are found once more, this near; slower than the other they are rigid.
+constexpr double slow_shift = 1e-2, too_slow = 1e-8;
 /// θ of what has no inertia.
 constexpr double infinite = 1e-6;
 /// Of a random vector: it lies in the space of the others.
@@ -348,23 +350,48 @@ MatrixXd slow_motions(const Basis& basis, const RitzPairs& found, Index n) {
   return still;
 }
 
+/// Slow motions without what is in them of faster ones, to round-off: stiff parts of rigid motions have no
+/// share in them, and what the iteration leaves there, times their stiffness, would hold them.
+MatrixXd purified(const ConstrainedPencil& p, const MatrixXd& S, double sigma) {
+  if (S.cols() == 0) return S;
+  Operator op(p, slow_shift * sigma);
+  if (!op.ok()) return S;
+  const Index n = S.rows();
+  MatrixXd out = S;
+  for (int round = 0; round < 4; ++round) {
+    for (Index k = 0; k < out.cols(); ++k) {
+      VectorXd x = VectorXd::Zero(2 * n), y(2 * n);
+      x.head(n) = out.col(k);
+      if (!op.apply(x, y)) return S;
+      VectorXd w = y.head(n);
+      const double before = w.norm();
+      for (int twice = 0; twice < 2; ++twice) w -= out.leftCols(k) * (out.leftCols(k).transpose() * w);
+      if (!(w.norm() > same_vector * before)) return S;
+      out.col(k) = w / w.norm();
+    }
+  }
+  return out;
+}
+
 /// Which of slow motions are rigid and which only slow, by stiffness and damping along them.
 struct SlowModes {
   MatrixXd rigid;
   std::vector<std::complex<double>> values;  ///< of the others, Im λ ≥ 0
   std::vector<VectorXcd> vectors;
 };
-SlowModes part_slow(const ConstrainedPencil& p, const MatrixXd& S, double fastest) {
+SlowModes part_slow(const ConstrainedPencil& p, const MatrixXd& S, double sigma) {
   SlowModes out;
   const Index k = S.cols();
-  const auto along = [&](const SparseMatrix& A) {
+  const MatrixXd M = S.transpose() * (p.M * S);
+  const double inertia = k > 0 ? M.cwiseAbs().maxCoeff() : 0, slowest = too_slow * sigma;
+  const auto along = [&](const SparseMatrix& A, double least) {
     MatrixXd of = S.transpose() * (A * S);
     const MatrixXd size = S.cwiseAbs().transpose() * (A.cwiseAbs() * S.cwiseAbs());
     for (Index i = 0; i < of.size(); ++i)
-      if (!(std::abs(of(i)) > round_off * size.maxCoeff())) of(i) = 0;
+      if (!(std::abs(of(i)) > std::max(round_off * size.maxCoeff(), least))) of(i) = 0;
     return of;
   };
-  const MatrixXd K = along(p.K), C = along(p.C), M = S.transpose() * (p.M * S);
+  const MatrixXd K = along(p.K, slowest * slowest * inertia), C = along(p.C, slowest * inertia);
   out.rigid = S;
   if (k == 0 || (K.isZero(0) && C.isZero(0))) return out;
   const Cholesky mass(M);
@@ -391,7 +418,7 @@ SlowModes part_slow(const ConstrainedPencil& p, const MatrixXd& S, double fastes
                    [&](Index a, Index b) { return std::abs(pairs.values[a]) < std::abs(pairs.values[b]); });
   for (std::size_t i = static_cast<std::size_t>(still.cols() + drifting); i < order.size(); ++i) {
     const std::complex<double> value = pairs.values[order[i]];
-    if (value.imag() < 0 || !(std::abs(value) < fastest)) continue;
+    if (value.imag() < 0 || !(std::abs(value) < 10 * zero * sigma)) continue;
     VectorXcd x(S.rows());
     x.real() = S * pairs.vectors.col(order[i]).head(k).real();
     x.imag() = S * pairs.vectors.col(order[i]).head(k).imag();
@@ -465,7 +492,7 @@ ConstrainedModes first_modes(const ConstrainedPencil& p, const Found& found, dou
                              bool is_symmetric_pencil) {
   ConstrainedModes out;
   const Index n = p.M.cols();
-  const SlowModes slow = part_slow(p, found.slow, 10 * zero * sigma);
+  const SlowModes slow = part_slow(p, purified(p, found.slow, sigma), sigma);
   out.rigid = slow.rigid.leftCols(std::min<Index>(slow.rigid.cols(), count));
   std::vector<std::complex<double>> values;
   std::vector<VectorXcd> vectors;

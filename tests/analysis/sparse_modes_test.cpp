@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -178,6 +179,41 @@ TEST(SparseModes, SlowOnesAreNotRigid) {
 }
 
 /// A closed loop of one freedom has one mode, however many are asked for.
+/// Six rigid motions of a free corotational beam, however finely it is divided, then ω = (β L)² √(EI/ρA)/L²,
+/// β L = 4.73004 and 7.85320 of a free beam, about both axes (sides of 20 and 10 mm).
+TEST(SparseModes, OfAFreeBeam) {
+  for (const int elements : {10, 30, 100}) {
+    ModesOptions options;
+    options.linear.point.at = LinearPoint::At::start;
+    options.most = 9;
+    options.solver = ModesSolver::sparse;
+    const LinearisedModes found = find_modes(model_of(fmt::format(R"yaml(
+gravity: [0, 0, 0]
+materials: {{s: {{young: 2.1e11, poisson: 0.3, density: 7850}}}}
+sections: {{r: {{type: rectangle, width: 0.02, height: 0.01}}}}
+bodies:
+  beam:
+    frame: {{at: [0, 0, 0]}}
+    flexible: {{material: s, section: r, nodes: {{a: [0, 0, 0], b: [1, 0, 0]}}, bars: {{all: {{from: a, to: b, elements: {}}}}}, clamped: [a], beam: corotational}}
+)yaml",
+                                                                  elements)),
+                                             options);
+    ASSERT_EQ(found.modes.size(), 9u) << elements;
+    const double pace = std::sqrt(2.1e11 / 7850 / 12);
+    const std::array<double, 3> bending{0.01 * 4.73004 * 4.73004 * pace, 0.02 * 4.73004 * 4.73004 * pace,
+                                        0.01 * 7.85320 * 7.85320 * pace};
+    for (std::size_t k = 0; k < 9; ++k) {
+      if (k < 6) {
+        EXPECT_EQ(found.modes[k].kind, Mode::Kind::rigid) << elements << ' ' << k;
+        EXPECT_EQ(found.modes[k].value, 0.) << elements << ' ' << k;
+      } else {
+        const double published = bending[k - 6];
+        EXPECT_NEAR(found.modes[k].value.imag(), published, 2e-2 * published) << elements << ' ' << k;
+      }
+    }
+  }
+}
+
 TEST(SparseModes, OfFewerThanAreAskedFor) {
   const std::string text = R"yaml(
 gravity: [0, 0, -9.81]
