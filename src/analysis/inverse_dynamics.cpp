@@ -9,6 +9,7 @@
 
 #include "analysis/driven_motion.h"
 #include "analysis/observed_rows.h"
+#include "integrate/initial.h"
 #include "joints/joint_kind.h"
 #include "math/once/decompositions.h"
 #include "mimbre/diagnostics.h"
@@ -136,6 +137,7 @@ class InverseProblem {
   void balance(State& s);
   void find_forces(State& s, InverseDynamics& out, Eigen::Index instant);
   void follow_dynamically(const std::vector<double>& times, InverseDynamics& out);
+  void judge(InverseDynamics& out) const;
   void observe(State& s, InverseDynamics& out, Eigen::Index instant);
   MatrixXd free_motions(const State& s) {
     const MatrixXd jacobian = motion_.jacobian(s);
@@ -154,6 +156,9 @@ class InverseProblem {
   std::vector<const DriveData*> drives_;  ///< of the forces
   MatrixXd tangent_;                      ///< of the quasi-static balance
   bool reduces_ = false;                  ///< reactions of redundant joints
+  // Of all instants, as work along the scales.
+  double at_play_ = 0, missing_ = 0, missing_time_ = 0;
+  std::string missing_text_;
 };
 
 void InverseProblem::place(State& s) {
@@ -237,15 +242,14 @@ void InverseProblem::find_forces(State& s, InverseDynamics& out, Eigen::Index in
     u = shortest_solution(B, need, dependent_motions);
   const double play = std::max(r.norm(), u.norm());
   const VectorXd left = N * (need - B * u);
-  if (play > 0) out.residual = std::max(out.residual, left.norm() / play);
-  if (left.norm() > unbalanced * play && !driven_.forces.empty()) {
+  at_play_ = std::max(at_play_, play);
+  if (const double lacking = left.norm(); lacking > missing_) {
+    missing_ = lacking;
+    missing_time_ = s.time;
     Eigen::Index where = 0;
     left.cwiseAbs().maxCoeff(&where);
-    std::vector<std::string> names;
-    for (const JointCoordinate& of : driven_.forces) names.push_back(coordinate_text(m_.spec(), of));
-    fail(s.time, fmt::format("forces along '{}' cannot make this motion: {:.4g} {} are missing in {}",
-                             fmt::join(names, "', '"), left[where] / motion_.scale()[where], "N or N m",
-                             coordinate_name(m_, nullptr, static_cast<int>(where))));
+    missing_text_ = fmt::format("{:.4g} {} are missing in {}", left[where] / motion_.scale()[where],
+                                "N or N m", coordinate_name(m_, nullptr, static_cast<int>(where)));
   }
   if (instant == 0) {
     const ColumnOrder order = order_columns(B, dependent_motions);
@@ -260,6 +264,16 @@ void InverseProblem::find_forces(State& s, InverseDynamics& out, Eigen::Index in
   for (std::size_t k = 0; k < drives_.size(); ++k)
     s.multipliers[drives_[k]->equation] = u[static_cast<Eigen::Index>(k)];
   for (int k = 0; k < m_.equations; ++k) s.multipliers[k] /= scale[static_cast<std::size_t>(k)];
+}
+
+/// Judged by the forces of the whole motion: at an instant at which nothing acts round-off is all there is.
+void InverseProblem::judge(InverseDynamics& out) const {
+  if (at_play_ > 0) out.residual = missing_ / at_play_;
+  if (missing_ <= unbalanced * at_play_ || driven_.forces.empty()) return;
+  std::vector<std::string> names;
+  for (const JointCoordinate& of : driven_.forces) names.push_back(coordinate_text(m_.spec(), of));
+  fail(missing_time_,
+       fmt::format("forces along '{}' cannot make this motion: {}", fmt::join(names, "', '"), missing_text_));
 }
 
 void InverseProblem::observe(State& s, InverseDynamics& out, Eigen::Index instant) {
@@ -319,6 +333,8 @@ void InverseProblem::follow_dynamically(const std::vector<double>& times, Invers
     s.u = now.u;
     system_.enter(s.u.data(), s.z.data(), 0);
     system_.begin_step(s.q.data());
+    // A step balances what is free to its tolerance; accelerations that balance it are near its own.
+    if (State exact = s; solve_accelerations(system_, exact)) s.a = exact.a;
     observe(s, out, static_cast<Eigen::Index>(k));
   }
 }
@@ -353,6 +369,7 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times) {
                                    "flexible: quasistatic, or prescribe all motions",
                                    out.free, out.free > 1 ? "s" : ""));
     follow_dynamically(times, out);
+    judge(out);
     return out;
   }
   const bool remembers = s.z.size() > 0 || s.u.size() > 0;
@@ -374,6 +391,7 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times) {
       system_.enter(s.u.data(), s.z.data(), 0);
     }
   }
+  judge(out);
   if (out.redundant > 0)
     out.warnings.push_back(fmt::format(
         "{} of the forces {} could be left out: of all that make this motion the smallest are given (least "

@@ -249,6 +249,39 @@ simulation: {{end: 1, step: 0.001}}
   }
 }
 
+/// A bending arm: the torque that made its motion comes back, from rest on, where nothing acts yet.
+TEST(InverseDynamics, ReturnsTheTorqueThatMovedAFlexibleArm) {
+  const auto text = [](const std::string& more) {
+    return R"(
+gravity: [0, 0, 0]
+materials: {steel: {young: 2.1e11, poisson: 0.3, density: 7850}}
+sections: {bar: {type: round, diameter: 0.02}}
+bodies:
+  arm:
+    frame: {at: [0, 0, 0]}
+    flexible:
+      material: steel
+      section: bar
+      nodes: {root: [0, 0, 0], tip: [1, 0, 0]}
+      bars: {all: {from: root, to: tip, elements: 8}}
+      clamped: [root]
+      dynamic_modes: 4
+joints:
+  hub: {type: revolute, between: [ground, arm], at: [0, 0, 0], axis: [0, 0, 1]}
+simulation: {end: 0.5, step: 0.0001}
+)" + more;
+  };
+  const auto driven = model_of(text("actuators: {motor: {joint: hub, torque: '2*sin(4*t)^4'}}\n"));
+  const PrescribedMotion motion = motion_of(driven, {"hub"}, 1e-4, 5000);
+  InverseDynamicsOptions options;
+  options.step = 1e-4;
+  const InverseDynamics found = inverse_dynamics(model_of(text("")), &motion, options);
+  EXPECT_GT(found.free, 0);
+  EXPECT_LT(found.residual, 1e-9);
+  for (Eigen::Index k = 0; k < found.time.size(); ++k)
+    ASSERT_NEAR(found.force(k, 0), 2 * std::pow(std::sin(4 * found.time[k]), 4), 1e-6) << found.time[k];
+}
+
 std::string message(const std::function<void()>& work) {
   try {
     work();
