@@ -20,6 +20,8 @@ namespace {
 
 // Shares of the mechanism's scales.
 constexpr double balanced = 1e-6;  ///< of accelerations: none
+/// Of the accelerations that displacements by the mechanism's size bring about: round-off of what balances.
+constexpr double nothing_moves = 1e-13;
 constexpr double constant = 1e-7;  ///< of coefficients: they do not vary
 
 std::string with_number(const std::string& name, int count, int k) {
@@ -96,6 +98,15 @@ void name_variables(const Compiled& m, Linearised& out) {
   }
 }
 
+/// How much a coordinate accelerates where another is displaced by the mechanism's size, 1/s².
+double stiffness_at(int coordinate, const Scales& scales, const Linearised& out) {
+  double most = 0;
+  for (std::size_t k = 0; k < out.independent.size(); ++k)
+    most = std::max(most, std::abs(out.reduced.acceleration(coordinate, static_cast<Eigen::Index>(k))) *
+                              scales.coordinates[static_cast<std::size_t>(out.independent[k])]);
+  return most / scales.coordinates[static_cast<std::size_t>(coordinate)];
+}
+
 /// What moves fastest, and how far the motion is from a steady one.
 void name_fastest(const Compiled& m, const Scales& scales, Linearised& out) {
   LinearModel& names = out.names;
@@ -109,6 +120,7 @@ void name_fastest(const Compiled& m, const Scales& scales, Linearised& out) {
   const double most = scales.of_coordinates(unsteady.data(), &where), rate = names.speed;
   const double play = std::max({scales.accelerations(s.a.data()), rate * rate});
   names.unsteady = play > 0 ? most / play : 0;
+  if (where >= 0 && most <= nothing_moves * stiffness_at(where, scales, out)) names.unsteady = 0;
   if (where >= 0) {
     names.accelerated = coordinate_label(m, where).name;
     names.acceleration = std::abs(unsteady[where]);
@@ -176,9 +188,11 @@ void name_what_is_approximate(const Compiled& m, double pace, Linearised& out) {
           "the {} still moves, by {:.3g} per s",
           names.states[static_cast<std::size_t>(out.reduced.first_state() + k)].name, out.state_rates[k]));
   for (const LinearElement& e : out.elements) {
-    const std::string name = element_name(m, m.elements[static_cast<std::size_t>(e.element)]);
+    const ElementData& data = m.elements[static_cast<std::size_t>(e.element)];
+    const std::string name = element_name(m, data);
     if (e.by_differences)
-      names.notes.push_back(fmt::format("{} is a law of the user: its derivatives are differences", name));
+      names.notes.push_back(fmt::format("{} is a law of the user: its derivatives are differences{}", name,
+                                        data.sampled ? ", as if it were called at every instant" : ""));
     if (!e.settled)
       names.warnings.push_back(fmt::format("{}: its states have no rates that converge with the step", name));
   }

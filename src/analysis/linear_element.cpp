@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "forces/table.h"
+#include "forces/user.h"
 #include "math/dual.h"
 
 namespace mimbre::linear {
@@ -13,10 +15,11 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int levels = 5;            ///< of the extrapolation
-constexpr double good = 1e-12;       ///< of what is extrapolated: no better step is sought
-constexpr double acceptable = 1e-7;  ///< beyond, it has not converged
-constexpr double difference = 1e-6;  ///< of what a law by the user is given
+constexpr int levels = 5;             ///< of the extrapolation
+constexpr double good = 1e-12;        ///< of what is extrapolated: no better step is sought
+constexpr double acceptable = 1e-7;   ///< beyond, it has not converged
+constexpr double difference = 1e-4;   ///< of what a law by the user is given,
+constexpr double least_given = 1e-2;  ///< which counts as at least this
 
 /// The law of one element over one step, from what it sees at its start.
 class StepOfElement {
@@ -49,11 +52,17 @@ class StepOfElement {
     Result r;
     r.values = over_numbers(h, along, 0, tied);
     if (along < 0) return r;
+    // The user's law does not see what surrounds it, which need not be numbers.
+    r.derivatives = VectorXd::Zero(r.values.size());
+    if (along >= 2 * count() && along < 2 * count() + seen_.surroundings) return r;
     const double base =
         along < inputs() ? seen_.values[along] : z_[static_cast<std::size_t>(first_ + along - inputs())];
-    const double width = difference * std::max(std::abs(base), 1e-3);
-    r.derivatives =
-        (over_numbers(h, along, width, tied) - over_numbers(h, along, -width, tied)) / (2 * width);
+    const double width = difference * std::max(std::abs(base), least_given);
+    const auto slope = [&](double by) {
+      return VectorXd((over_numbers(h, along, by, tied) - over_numbers(h, along, -by, tied)) / (2 * by));
+    };
+    const VectorXd wide = slope(width), narrow = slope(width / 2);
+    r.derivatives = narrow + (narrow - wide) / 3;
     return r;
   }
 
@@ -84,10 +93,27 @@ class StepOfElement {
       s.surroundings[k] = in.seen[static_cast<std::size_t>(2 * n + k)];
     std::copy(states.begin(), states.end(), s.states);
     const LawContext<T> context{m_, e_, time_, in.slots.data(), states.data(), h, numbers.data()};
-    forces::rows<T>[static_cast<std::size_t>(e_.law)].law(context, s);
+    if constexpr (std::is_same_v<T, double>) {
+      if (e_.sampled)
+        ask(context, s);
+      else
+        forces::rows<T>[static_cast<std::size_t>(e_.law)].law(context, s);
+    } else {
+      forces::rows<T>[static_cast<std::size_t>(e_.law)].law(context, s);
+    }
     std::vector<T> out(s.force, s.force + n);
     out.insert(out.end(), s.states + first_, s.states + last_);
     return out;
+  }
+
+  /// A law that steps call at their start, as if they were infinitely short: what it says now, not what it
+  /// said before. The force that is kept comes first of its states.
+  void ask(const LawContext<double>& context, ElementState<double>& s) const {
+    double* own = s.states + first_;
+    const forces::user::Answer answer =
+        forces::user::call(context, s.x, s.v, context.states + first_ + s.count, own + s.count);
+    std::copy_n(answer.force, s.count, s.force);
+    std::copy_n(answer.force, s.count, own);
   }
 
   template <class T>

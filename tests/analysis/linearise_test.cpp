@@ -5,12 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "analysis/linear_point.h"
 #include "integrate/initial.h"
+#include "mimbre/model_file.h"
 #include "mimbre/modes.h"
 #include "simulation/start/assembly.h"
 #include "support/models.h"
@@ -559,6 +561,76 @@ joints:
     FAIL();
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("singular position"));
+  }
+}
+
+/// A bar that hangs in a law of the user's, with neither gravity nor tangents given: ẍ = −(k x + d v)/J. Laws
+/// that steps call at their start count as if they were called all the time.
+TEST(Linearise, TakesDifferencesOfUsersLaws) {
+  for (const bool sampled : {false, true}) {
+    spec::Model model = parse_model(R"yaml(mimbre: 1
+gravity: [0, 0, 0]
+bodies: {bar: {mass: 1, com: [0.5, 0, 0], inertia: [0.001, 0.1, 0.1]}}
+joints: {pin: {type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0], position: 0.3}}
+)yaml",
+                                    "law.yaml", ".");
+    auto law = std::make_shared<spec::UserLaw>();
+    law->sampled = sampled;
+    law->evaluate = [](spec::LawCall& call) {
+      const double x = call.x[0], v = call.v[0];
+      call.force[0] = 50 * x + 400 * x * x * x + 0.5 * v + 20;
+    };
+    spec::Element element;
+    element.name = "own";
+    element.law = "user";
+    element.on = spec::Element::On::coordinate;
+    element.joint = 0;
+    element.user = law;
+    model.elements.push_back(element);
+    const LinearModel found = linearise(Model::compile(std::move(model)), at_start());
+    const double inertia = 0.1 + 0.25, stiffness = 50 + 3 * 400 * 0.09;
+    ASSERT_EQ(found.A.rows(), 2) << sampled;
+    MatrixXd A(2, 2);
+    A << 0, 1, -stiffness / inertia, -0.5 / inertia;
+    EXPECT_LT((found.A - A).norm(), 1e-8 * A.norm()) << sampled << found.A;
+    // The torque moves it: this is no equilibrium, which it says, and how the law was taken.
+    EXPECT_THAT(found.warnings, testing::ElementsAre(testing::HasSubstr("no equilibrium")));
+    EXPECT_NEAR(found.acceleration, (50 * 0.3 + 400 * 0.027 + 20) / inertia, 1e-9);
+    ASSERT_EQ(found.notes.size(), 1u) << sampled;
+    EXPECT_THAT(found.notes[0], testing::HasSubstr("'own' is a law of the user"));
+    EXPECT_EQ(found.notes[0].find("at every instant") != std::string::npos, sampled);
+  }
+}
+
+/// A straight column under a load at its end that follows it is in equilibrium, but for round-off; there is
+/// no gravity to compare that with. Before it has bent under a load across it, however small, it is in none.
+TEST(Linearise, TakesRoundOffForNoMotion) {
+  for (const double across : {0., 1e-6}) {
+    const LinearModel found = linearise(model_of(fmt::format(R"yaml(
+gravity: [0, 0, 0]
+materials: {{s: {{young: 1.2e7, poisson: 0.3, density: 1000}}}}
+sections: {{q: {{type: rectangle, width: 0.02, height: 0.01}}}}
+bodies:
+  beam:
+    frame: {{at: [0, 0, 0]}}
+    flexible:
+      material: s
+      section: q
+      nodes: {{root: [0, 0, 0], tip: [1, 0, 0]}}
+      bars: {{all: {{from: root, to: tip, elements: 20}}}}
+      clamped: [root]
+      beam: corotational
+joints: {{base: {{type: fixed, between: [ground, beam], at: [0, 0, 0]}}}}
+loads:
+  push: {{on: beam.tip, force: [-0.3, 0, 0], follower: true}}
+  side: {{on: beam.tip, force: [0, {}, 0]}}
+)yaml",
+                                                             across)),
+                                        across > 0 ? at_start() : LinearOptions());
+    const bool warned = std::any_of(found.warnings.begin(), found.warnings.end(), [](const std::string& w) {
+      return w.find("no equilibrium") != std::string::npos;
+    });
+    EXPECT_EQ(warned, across > 0);
   }
 }
 
