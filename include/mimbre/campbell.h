@@ -41,7 +41,7 @@ struct CampbellDiagram {
     double value = 0, order = 1, frequency = 0;  ///< of the parameter; rad/s
   };
   std::vector<Critical> criticals;
-  /// Where a mode begins to grow (`grows`) or ceases to.
+  /// Where a mode begins to grow (`grows`) or ceases to, with its frequency there.
   struct Onset {
     int branch = 0;
     double value = 0, frequency = 0;  ///< of the parameter; rad/s
@@ -55,7 +55,9 @@ struct CampbellDiagram {
 /// Follows the modes over the values (at least two, in order) by their shapes: between two values mode i goes
 /// on as j where |wᵢᴴ xⱼ| |wⱼᴴ xᵢ|, w and x left and right eigenvectors, is near 1 and all others are small.
 /// Where it is not so, values between them are taken, as many as it needs: crossings and veerings are
-/// followed through. Among equal eigenvalues shapes are those that go on. Throws std::invalid_argument, and
+/// followed through. Among equal eigenvalues shapes are those that go on. Criticals and onsets are found
+/// between values to 1e-6; growth between two values that both show none is found where the damping of three
+/// values points to it, and where modes meet. Throws std::invalid_argument, and
 /// what `modes` throws.
 CampbellDiagram campbell(const ModesAt& modes, const std::vector<double>& values,
                          const CampbellOptions& options = {});

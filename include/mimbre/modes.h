@@ -77,7 +77,7 @@ struct LinearisedModes {
   LinearModel model;
   bool sparse = false;  ///< by the sparse solver
   std::vector<LinearName> coordinates;
-  std::vector<Mode> modes;  ///< rigid ones first, then by |λ|
+  std::vector<Mode> modes;  ///< rigid ones first, then by |λ|, from the ground where that is known
   /// T, s, where the coefficients vary along a steady motion and repeat after T; 0: they are constant, or
   /// vary otherwise. λ are then Floquet's exponents, whose imaginary parts are known but for multiples of
   /// 2π/T: those given are the ones that the motion has on average. Shapes are those at the point.

@@ -3,10 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
+#include <complex>
+#include <string>
+#include <vector>
 
+#include "support/models.h"
 #include "support/random_mechanism.h"
 
 /// Modes followed over a parameter.
@@ -187,7 +194,228 @@ TEST(Campbell, FindsWhereModesGrowThatAreNotDamped) {
   ASSERT_EQ(d.onsets.size(), 1u);
   EXPECT_TRUE(d.onsets[0].grows);
   EXPECT_NEAR(d.onsets[0].value, 0.5, 1e-6);
-  EXPECT_NEAR(d.onsets[0].frequency, std::sqrt(1.5), 0.1);
+  EXPECT_NEAR(d.onsets[0].frequency, std::sqrt(1.5), 1e-4);
+}
+
+/// Two modes that cross on straight lines: the place is found by these, not by halves (16 of which it would
+/// take to come as near).
+TEST(Campbell, FindsCrossingsWithFewEvaluations) {
+  const CampbellDiagram d = campbell(
+      [](double p) {
+        MatrixXd K = MatrixXd::Zero(2, 2);
+        K.diagonal() << std::pow(2 + p, 2), std::pow(2.7 - p, 2);
+        return modes_of(K);
+      },
+      {0, 1});
+  EXPECT_NEAR(d.branches[0].values[1].imag(), 3, 1e-12);
+  EXPECT_LE(d.evaluations, 9);
+}
+
+/// Re λ = h − (p − c)² grows within √h of c, between values at which nothing grows; or nowhere.
+TEST(Campbell, FindsGrowthBetweenTheValues) {
+  for (const double middle : {0.4, 0.5, 0.61})
+    for (const double height : {-1e-3, 1e-3, 4e-3}) {
+      const CampbellDiagram d = campbell(
+          [&](double p) {
+            LinearisedModes found = modes_of(MatrixXd::Identity(1, 1) * 4);
+            found.modes[0].value = {height - (p - middle) * (p - middle), 2 + p};
+            return found;
+          },
+          from_zero_to_one(4));
+      ASSERT_EQ(d.onsets.size(), height > 0 ? 2u : 0u) << middle << " " << height;
+      for (std::size_t k = 0; k < d.onsets.size(); ++k) {
+        const double expected = middle + (k == 0 ? -1 : 1) * std::sqrt(height);
+        EXPECT_EQ(d.onsets[k].grows, k == 0);
+        EXPECT_NEAR(d.onsets[k].value, expected, 1e-6);
+        EXPECT_NEAR(d.onsets[k].frequency, 2 + expected, 1e-5);
+      }
+    }
+}
+
+/// ẍ + (10 + a) x + y = 0, ÿ + (10 − a) y − x = 0: λ² = −10 ± √(a² − 1) grows where |a| < 1, at once with
+/// ω = √10 at both ends, and at |a| > √101 without turning back. Wherever the values are, at a = ±1 too,
+/// where both modes are one.
+TEST(Campbell, FindsWhereAModeCeasesToGrow) {
+  const auto model = [](double a) {
+    ModesOptions options;
+    return find_modes(
+        model_of(fmt::format(
+            "gravity: [0, 0, 0]\nbodies:\n  m1: {{mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}\n"
+            "  m2: {{mass: 1, com: [1, 0, 0], inertia: [1, 1, 1]}}\njoints:\n"
+            "  x: {{type: prismatic, between: [ground, m1], at: [0, 0, 0], axis: [0, 0, 1]}}\n"
+            "  y: {{type: prismatic, between: [ground, m2], at: [1, 0, 0], axis: [0, 0, 1]}}\n"
+            "outputs: [{{name: px, joint: x}}, {{name: py, joint: y}}]\nactuators:\n"
+            "  fx: {{joint: x, force: \"-{}*px - 1*py\"}}\n  fy: {{joint: y, force: \"-{}*py + 1*px\"}}\n",
+            10 + a, 10 - a)),
+        options);
+  };
+  CampbellOptions options;
+  options.rad_per_second = 0;
+  for (const std::vector<double>& values : std::vector<std::vector<double>>{
+           {0, 4, 9}, {0.1, 2.55, 5}, {-3, -1, 1, 3}, {-7, 1, 9}, {-3, 0.3, 3}}) {
+    const CampbellDiagram d = campbell(model, values, options);
+    const bool begins = values[0] < -1;
+    ASSERT_EQ(d.onsets.size(), begins ? 2u : 1u) << values[0];
+    if (begins) {
+      EXPECT_NEAR(d.onsets[0].value, -1, 1e-6);
+    }
+    EXPECT_EQ(d.onsets[0].grows, begins);
+    EXPECT_FALSE(d.onsets.back().grows);
+    EXPECT_NEAR(d.onsets.back().value, 1, 1e-6);
+    for (const CampbellDiagram::Onset& onset : d.onsets) EXPECT_NEAR(onset.frequency, std::sqrt(10), 1e-4);
+  }
+}
+
+/// A rigid rotor that turns as a whole in two round bearings: with z = x + i y of its centre and its
+/// inclination, M z̈ + (C − i Ω G) ż + K z = 0, M = diag(m, Id), G = diag(0, Ip).
+struct RigidRotor {
+  double mass, across, about, first, second, stiff_first, stiff_second, damped;
+
+  LinearisedModes modes(double speed, int most = 0) const {
+    ModesOptions options;
+    options.linear.point.at = LinearPoint::At::steady;
+    options.most = most;
+    const auto bushing = [&](const char* name, double at, double stiffness, double along) {
+      return fmt::format(
+          "  {0}: {{between: [ground, rotor], at: [{1:.17g}, 0, 0], stiffness: [{3:.17g}, {2:.17g}, "
+          "{2:.17g}, 0, "
+          "0, 0], damping: [0, {4:.17g}, {4:.17g}, 0, 0, 0]}}\n",
+          name, at, stiffness, along, damped * stiffness);
+    };
+    return find_modes(
+        model_of(
+            fmt::format("gravity: [0, 0, 0]\nbodies:\n  rotor: {{mass: {:.17g}, com: [0, 0, 0], inertia: "
+                        "[{:.17g}, {:.17g}, {:.17g}]}}\njoints:\n  free: {{type: floating, between: [ground, "
+                        "rotor], at: [0, 0, 0], velocity: [0, 0, 0, {:.17g}, 0, 0]}}\nbushings:\n",
+                        mass, about, across, across, speed) +
+            bushing("left", first, stiff_first, 9e7) + bushing("right", second, stiff_second, 0)),
+        options);
+  }
+  Eigen::Matrix2d stiffness() const {
+    Eigen::Matrix2d K;
+    K(0, 0) = stiff_first + stiff_second;
+    K(0, 1) = K(1, 0) = stiff_first * first + stiff_second * second;
+    K(1, 1) = stiff_first * first * first + stiff_second * second * second;
+    return K;
+  }
+  /// Where nothing is damped: det(K − Ω² diag(m, Id ∓ Ip)) = 0 for whirl forward and backward.
+  std::vector<double> criticals(double last) const {
+    std::vector<double> out;
+    for (const double sense : {1., -1.}) {
+      const Eigen::Vector2d inverse(1 / mass, 1 / (across - sense * about));
+      const Eigen::Matrix2d A = inverse.asDiagonal() * stiffness();
+      for (const std::complex<double>& square : A.eigenvalues())
+        if (square.real() > 0 && std::sqrt(square.real()) < last) out.push_back(std::sqrt(square.real()));
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+  /// Im λ of what is nearest to it at the speed.
+  double nearest(double speed, double imaginary) const {
+    Eigen::Matrix4cd A = Eigen::Matrix4cd::Zero();
+    const std::complex<double> i(0, 1);
+    const Eigen::Vector2d inverse(1 / mass, 1 / across);
+    A.topRightCorner(2, 2).setIdentity();
+    const Eigen::Matrix2d by_mass = inverse.asDiagonal() * stiffness();
+    A.bottomLeftCorner(2, 2) = -by_mass.cast<std::complex<double>>();
+    A.bottomRightCorner(2, 2) = -damped * by_mass.cast<std::complex<double>>();
+    A(3, 3) += i * speed * about / across;
+    const Eigen::ComplexEigenSolver<Eigen::Matrix4cd> solver(A);
+    double best = 1e300;
+    for (const std::complex<double>& value : solver.eigenvalues())
+      if (std::abs(std::abs(value.imag()) - imaginary) < std::abs(best - imaginary))
+        best = std::abs(value.imag());
+    return best;
+  }
+};
+
+RigidRotor random_rotor(Random& random, double damped) {
+  const double across = random.number(0.1, 0.3);
+  return {random.number(5, 15),
+          across,
+          across * random.number(0.2, 1.6),
+          random.number(-0.3, -0.1),
+          random.number(0.1, 0.3),
+          random.number(5e4, 2e5),
+          random.number(5e4, 2e5),
+          damped};
+}
+
+std::vector<double> evenly(double first, double last, int count) {
+  std::vector<double> values;
+  for (int k = 0; k < count; ++k) values.push_back(first + (last - first) * k / (count - 1));
+  return values;
+}
+
+/// All criticals, whatever the values are, also if one of them is critical: in axes that turn the mode stands
+/// still there.
+TEST(Campbell, CriticalSpeedsOfRotorsThatTurnAsAWhole) {
+  int forward = 0;
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    Random random(100 + seed);
+    const RigidRotor rotor = random_rotor(random, 0);
+    const double last = 420;
+    const std::vector<double> expected = rotor.criticals(last);
+    forward += static_cast<int>(expected.size());
+    std::vector<std::vector<double>> grids;
+    for (const int count : {3, 5, 12, 31}) grids.push_back(evenly(0, last, count));
+    grids.push_back(evenly(0, last, 4));
+    for (const double critical : expected) grids.back().push_back(critical);
+    std::sort(grids.back().begin(), grids.back().end());
+    for (const std::vector<double>& values : grids) {
+      const CampbellDiagram d = campbell([&](double speed) { return rotor.modes(speed); }, values);
+      ASSERT_EQ(d.criticals.size(), expected.size()) << seed << " " << values.size();
+      for (std::size_t k = 0; k < expected.size(); ++k) {
+        EXPECT_NEAR(d.criticals[k].value, expected[k], 1e-7 * expected[k]) << seed << " " << values.size();
+        EXPECT_NEAR(d.criticals[k].frequency, expected[k], 1e-7 * expected[k]);
+      }
+      EXPECT_TRUE(d.onsets.empty());
+    }
+  }
+  EXPECT_GT(forward, 30);
+}
+
+/// With damping at rest λ has the frequency of the speed by equations of complex coordinates.
+TEST(Campbell, CriticalSpeedsOfDampedRotors) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    Random random(200 + seed);
+    const RigidRotor rotor = random_rotor(random, random.number(1e-5, 4e-4));
+    std::vector<double> first;
+    for (const int count : {5, 14}) {
+      const CampbellDiagram d =
+          campbell([&](double speed) { return rotor.modes(speed); }, evenly(0, 420, count));
+      ASSERT_GE(d.criticals.size(), 2u);
+      std::vector<double> found;
+      for (const CampbellDiagram::Critical& c : d.criticals) {
+        found.push_back(c.value);
+        EXPECT_NEAR(rotor.nearest(c.value, c.value), c.value, 1e-7 * c.value) << seed;
+      }
+      if (first.empty()) first = found;
+      ASSERT_EQ(found.size(), first.size());
+      for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k], first[k], 1e-7 * first[k]);
+    }
+  }
+}
+
+/// The lowest modes of what turns are those of the lowest frequencies from the ground, in their order.
+TEST(Campbell, TheLowestModesAreThoseThatTheGroundSees) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Random random(300 + seed);
+    const RigidRotor rotor = random_rotor(random, 0);
+    for (const double speed : {90., 230., 410.}) {
+      const LinearisedModes all = rotor.modes(speed);
+      std::vector<double> frequencies;
+      for (const Mode& mode : all.modes) frequencies.push_back(std::abs(mode.seen()));
+      EXPECT_TRUE(std::is_sorted(frequencies.begin(), frequencies.end()));
+      for (const Mode& mode : all.modes)
+        if (std::abs(mode.seen()) > 1 && std::abs(mode.whirl) > 0.9) {
+          EXPECT_NEAR(rotor.nearest(speed, mode.seen().imag()), mode.seen().imag(), 1e-7 * speed);
+        }
+      const LinearisedModes few = rotor.modes(speed, 3);
+      ASSERT_EQ(few.modes.size(), 3u);
+      for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(few.modes[k].value, all.modes[k].value);
+    }
+  }
 }
 
 }  // namespace

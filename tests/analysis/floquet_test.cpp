@@ -403,6 +403,42 @@ TEST(Floquet, ModesAreFollowedOverTheSpeed) {
   EXPECT_NEAR(found.onsets[0].value, low, 0.01);
 }
 
+/// Without damping ground resonance begins and ceases at once, where two motions meet: by Coleman's
+/// equations, whatever the values are.
+TEST(Floquet, GroundResonanceCeasesWhereItShould) {
+  const auto rotor = [](double speed) {
+    Rotor r;
+    r.blades = 3;
+    r.speed = speed;
+    r.stiffness_y = r.stiffness_x;
+    r.mass_y = 100;
+    r.mass_x = 0.01;
+    r.damping_x = r.damping_y = r.lag_damping = 0;
+    return r;
+  };
+  const auto grows = [&](double speed) {
+    double most = -1;
+    for (const Complex& value : coleman(rotor(speed))) most = std::max(most, value.real());
+    return most > 1e-4;
+  };
+  double inside = 8;
+  while (!grows(inside)) inside += 0.1;
+  double last = inside;
+  while (grows(last)) last += 0.1;
+  double low = inside, high = last;
+  for (int round = 0; round < 40; ++round) {
+    const double middle = (low + high) / 2;
+    (grows(middle) ? low : high) = middle;
+  }
+  CampbellOptions options;
+  options.rad_per_second = 0;
+  const CampbellDiagram found = campbell([&](double speed) { return modes_of(rotor(speed).text()); },
+                                         {0.5 * (inside + low), low + 1.7}, options);
+  ASSERT_EQ(found.onsets.size(), 1u);
+  EXPECT_NEAR(found.onsets[0].value, low, 1e-6 * low);
+  EXPECT_FALSE(found.onsets[0].grows);
+}
+
 /// Turned about a level axis the blades fall and rise: no steady motion all the way round.
 TEST(Floquet, NamesWhyThereAreNoMultipliers) {
   std::string text = Rotor().text();

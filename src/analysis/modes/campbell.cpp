@@ -6,24 +6,29 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
-#include "math/once/general_eigen.h"
+#include "analysis/modes/mode_likeness.h"
 
 namespace mimbre {
 namespace {
 
-using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
+using linear::alike;
 
-constexpr double sure = 0.85;        ///< how alike the shapes of one mode are from value to value
-constexpr double other = 0.4;        ///< and those of two at most
-constexpr double same_place = 1e-7;  ///< of the larger eigenvalue: equal ones
-constexpr int closest = 16;          ///< halvings where two modes cross
-constexpr int deepest = 26;          ///< halvings between two values
-/// Of a function between two values: its share at one side of that at the other, and halvings then.
-constexpr double nearly_zero = 1e-3;
-constexpr int halvings = 30;
+constexpr double sure = 0.85;           ///< how alike the shapes of one mode are from value to value
+constexpr double other = 0.4;           ///< and those of two at most
+constexpr double closest = 1. / 65536;  ///< of the step of the values: how closely crossings are looked at
+constexpr int deepest = 26;             ///< halvings between two values
+constexpr double no_growth = 1e-9;      ///< of the largest eigenvalue: round-off
+constexpr double no_exponent = 1e-7;    ///< of 1/T: that of multipliers
+/// Of the value: a line through two places around the one looked for, of which one is so near, is exact.
+constexpr double near_enough = 1e-6;
+/// Of the speed: how far from the one at which a mode stands still in axes that turn it is looked at: λ²
+/// passes zero there, of which round-off takes the root.
+constexpr double apart_from_standing = 1e-4;
+constexpr int most_rounds = 60;
 
 /// The modes at one value, in the order of the branches; -1: a branch that is not there.
 struct Stand {
@@ -31,118 +36,47 @@ struct Stand {
   std::vector<Mode> modes;
   std::vector<int> branch;  ///< of each mode
   double turn = 0;          ///< 2π/T where λ are known but for multiples of it; 0: they are known
+  bool turning = false;     ///< the whole turns: LinearisedModes::turning
 };
 
-bool comparable(const Mode& a, const Mode& b) {
-  return a.shape.size() == b.shape.size() && a.left.size() == b.left.size();
+/// A mode at one value, and a function of it that is sought to be zero.
+struct Place {
+  double value = 0;
+  Mode mode;
+  double f = 0;
+};
+
+using Samples = std::vector<std::pair<double, double>>;  ///< places and f there
+
+/// Where f is zero: by the parabola of the place over f through the last three, or the line through the last
+/// two.
+double zero_of(const Samples& all) {
+  const auto& [x1, f1] = all[all.size() - 2];
+  const auto& [x2, f2] = all.back();
+  if (f1 == f2) return std::numeric_limits<double>::quiet_NaN();
+  const double line = x2 - f2 * (x2 - x1) / (f2 - f1);
+  if (all.size() < 3) return line;
+  const auto& [x0, f0] = all[all.size() - 3];
+  const double bend = ((x1 - x0) / (f1 - f0) - (x2 - x1) / (f2 - f1)) / (f0 - f2),
+               curve = line + bend * f1 * f2;
+  return std::abs(curve - line) <= 0.5 * std::abs(line - x2) ? curve : line;
 }
 
-/// 1: the same shape; 0: another one.
-double alike(const Mode& a, const Mode& b) {
-  if (!comparable(a, b)) {
-    const std::complex<double> product = a.motion.dot(b.motion);
-    return std::abs(product) / (a.motion.norm() * b.motion.norm() + 1e-300);
-  }
-  const bool rigid = a.kind == Mode::Kind::rigid;
-  if (rigid != (b.kind == Mode::Kind::rigid)) return 0;
-  if (rigid) return std::abs(a.shape.dot(b.shape)) / (a.shape.norm() * b.shape.norm() + 1e-300);
-  const auto with = [&](const Eigen::VectorXcd& shape, const Eigen::VectorXcd& left) {
-    return std::sqrt(std::abs(a.left.dot(shape)) * std::abs(left.dot(a.shape)));
-  };
-  // In axes that turn, λ may go through the real axis: its conjugate is the one that is listed then.
-  return std::max(with(b.shape, b.left), with(b.shape.conjugate(), b.left.conjugate()));
+/// Whether the ground sees one frequency.
+bool seen_from_ground(const Mode& mode) { return mode.fixed == mode.fixed; }
+
+/// 1 or −1: circles the axis about which the whole turns evenly, with it or against it; 0: moves along or
+/// about it; 2: else.
+int sense_of(const Mode& mode) {
+  if (!seen_from_ground(mode) || mode.kind != Mode::Kind::oscillating) return 2;
+  return mode.whirl > 0.5 ? 1 : mode.whirl < -0.5 ? -1 : 0;
 }
 
-/// λ + i k turn that is nearest to another one.
-std::complex<double> nearest_multiple(std::complex<double> value, double turn, std::complex<double> to) {
-  if (!(turn > 0)) return value;
-  return {value.real(), value.imag() + turn * std::round((to.imag() - value.imag()) / turn)};
-}
-
-/// Of exponents that are known but for multiples the one that goes on from a mode, or that of the conjugate.
-void go_on_from(const Mode& from, double turn, Mode& to) {
-  if (!(turn > 0) || to.kind == Mode::Kind::rigid || !comparable(from, to)) return;
-  if (std::abs(from.left.dot(to.shape.conjugate())) > std::abs(from.left.dot(to.shape))) {
-    to.value = std::conj(to.value);
-    for (Eigen::VectorXcd* x : {&to.shape, &to.left, &to.motion}) *x = x->conjugate().eval();
-  }
-  to.value = nearest_multiple(to.value, turn, from.value);
-  to.fixed = to.value;
-  to.frequency = std::abs(to.value) / (2 * std::numbers::pi);
-  to.damped = to.value.imag() / (2 * std::numbers::pi);
-  to.damping = std::abs(to.value) > 0 ? -to.value.real() / std::abs(to.value) : 0;
-}
-
-/// Modes of equal eigenvalues, which have no shapes of their own.
-std::vector<std::vector<std::size_t>> clusters_of(const std::vector<Mode>& modes) {
-  std::vector<std::vector<std::size_t>> out;
-  std::vector<char> taken(modes.size(), 0);
-  for (std::size_t i = 0; i < modes.size(); ++i) {
-    if (taken[i] || modes[i].kind == Mode::Kind::rigid) continue;
-    std::vector<std::size_t> cluster{i};
-    for (std::size_t j = i + 1; j < modes.size(); ++j)
-      if (!taken[j] && modes[j].kind == modes[i].kind &&
-          std::abs(modes[j].value - modes[i].value) <= same_place * std::abs(modes[i].value)) {
-        cluster.push_back(j);
-        taken[j] = 1;
-      }
-    if (cluster.size() > 1) out.push_back(std::move(cluster));
-  }
-  return out;
-}
-
-/// Gives modes of equal eigenvalues the shapes that are nearest to those of `to`: X ← X (L Y), for the
-/// vectors Y of `to` that lie most in their space.
-void align(std::vector<Mode>& modes, const std::vector<Mode>& to) {
-  for (const std::vector<std::size_t>& cluster : clusters_of(modes)) {
-    std::vector<std::pair<double, std::size_t>> nearest;
-    for (std::size_t j = 0; j < to.size(); ++j) {
-      double in = 0;
-      for (const std::size_t i : cluster)
-        if (comparable(modes[i], to[j]) && to[j].kind != Mode::Kind::rigid) {
-          const double a = alike(modes[i], to[j]);
-          in += a * a;
-        }
-      nearest.emplace_back(in, j);
-    }
-    const auto n = static_cast<Eigen::Index>(cluster.size());
-    if (std::ssize(nearest) < n) continue;
-    std::stable_sort(nearest.begin(), nearest.end(),
-                     [](const auto& a, const auto& b) { return a.first > b.first; });
-    if (!(nearest[cluster.size() - 1].first > 0.2)) continue;
-    MatrixXcd by(n, n);
-    for (Eigen::Index r = 0; r < n; ++r)
-      for (Eigen::Index c = 0; c < n; ++c)
-        by(r, c) = modes[cluster[static_cast<std::size_t>(r)]].left.dot(
-            to[nearest[static_cast<std::size_t>(c)].second].shape);
-    const MatrixXcd back = complex_inverse(by);
-    if (!back.allFinite() || back.cwiseAbs().maxCoeff() > 1e6) continue;
-    std::vector<Mode> turned;
-    for (Eigen::Index c = 0; c < n; ++c) {
-      Mode mode = modes[cluster[static_cast<std::size_t>(c)]];
-      mode.shape.setZero();
-      mode.motion.setZero();
-      mode.left.setZero();
-      for (Eigen::Index r = 0; r < n; ++r) {
-        const Mode& of = modes[cluster[static_cast<std::size_t>(r)]];
-        mode.shape += by(r, c) * of.shape;
-        mode.motion += by(r, c) * of.motion;
-        // wᴴ ← B⁻¹ wᴴ.
-        mode.left += std::conj(back(c, r)) * of.left;
-      }
-      const Mode& like = to[nearest[static_cast<std::size_t>(c)].second];
-      mode.whirl = like.whirl;
-      // Where nothing turns here, the ground sees the same.
-      const bool turns = std::any_of(cluster.begin(), cluster.end(),
-                                     [&](std::size_t k) { return modes[k].fixed != modes[k].value; });
-      if (like.fixed == 0.)
-        mode.fixed = like.fixed;
-      else
-        mode.fixed = turns ? mode.value + (like.fixed - like.value) : mode.value;
-      turned.push_back(std::move(mode));
-    }
-    for (std::size_t k = 0; k < cluster.size(); ++k) modes[cluster[k]] = std::move(turned[k]);
-  }
+/// The sign says which of two modes is the faster one. Modes that circle in different senses never mix: 0.
+double before_or_behind(const Mode& a, const Mode& b, bool turning) {
+  if (turning && sense_of(a) != 2 && sense_of(b) != 2)
+    return sense_of(a) == sense_of(b) ? a.seen().imag() - b.seen().imag() : 0;
+  return a.value.imag() - b.value.imag();
 }
 
 class Tracking {
@@ -158,12 +92,14 @@ class Tracking {
     Stand at = evaluate(values.front());
     const double range = values.back() - values.front();
     // Equal eigenvalues at the beginning take the shapes that they have right behind it.
-    if (!clusters_of(at.modes).empty()) align(at.modes, evaluate(values.front() + 1e-4 * range).modes);
+    if (!linear::clusters_of(at.modes).empty())
+      linear::align(at.modes, evaluate(values.front() + 1e-4 * range).modes);
     for (const Mode& mode : at.modes) at.branch.push_back(open(mode));
     record(0, at);
+    begin(at);
     for (std::size_t k = 1; k < values.size(); ++k) {
-      Stand next = evaluate(values[k]);
-      at = follow(std::move(at), std::move(next), 0);
+      step_ = values[k] - values[k - 1];
+      at = follow(std::move(at), evaluate(values[k]), 0);
       record(k, at);
     }
     for (std::size_t b = 0; b < out_.branches.size(); ++b) {
@@ -172,8 +108,7 @@ class Tracking {
     }
     leave_out_neighbours();
     number_names();
-    find_criticals();
-    find_onsets();
+    sort_found();
     return std::move(out_);
   }
 
@@ -183,14 +118,41 @@ class Tracking {
     return {nan, nan};
   }
 
-  Stand evaluate(double value) {
+  Stand evaluate_once(double value) {
     ++out_.evaluations;
     LinearisedModes found = modes_(value);
-    for (const std::string& warning : found.model.warnings)
-      if (std::find(out_.warnings.begin(), out_.warnings.end(), warning) == out_.warnings.end() &&
-          out_.warnings.size() < 20)
-        out_.warnings.push_back(warning);
-    return {value, std::move(found.modes), {}, found.period > 0 ? 2 * std::numbers::pi / found.period : 0};
+    for (const std::string& warning : found.model.warnings) warn(warning);
+    return {value,
+            std::move(found.modes),
+            {},
+            found.period > 0 ? 2 * std::numbers::pi / found.period : 0,
+            found.turning > 0};
+  }
+
+  /// At a critical speed a mode stands still in axes that turn, where it cannot be told from a rigid motion:
+  /// it is taken a little beside it.
+  Stand evaluate(double value) {
+    Stand at = evaluate_once(value);
+    const auto standing = [](const Stand& s) {
+      return std::count_if(s.modes.begin(), s.modes.end(),
+                           [](const Mode& m) { return m.kind != Mode::Kind::oscillating; });
+    };
+    if (!at.turning) return at;
+    if (standing_ >= 0 && standing(at) > standing_)
+      for (const double beside : {1e-7, 1e-6, 1e-5}) {
+        Stand next = evaluate_once(value * (1 + beside));
+        if (standing(next) > standing_) continue;
+        at = std::move(next);
+        break;
+      }
+    standing_ = standing(at);
+    return at;
+  }
+
+  void warn(const std::string& text) {
+    if (std::find(out_.warnings.begin(), out_.warnings.end(), text) == out_.warnings.end() &&
+        out_.warnings.size() < 20)
+      out_.warnings.push_back(text);
   }
 
   int open(const Mode& mode) {
@@ -201,10 +163,20 @@ class Tracking {
 
   /// Branches that are nowhere among the lowest.
   void leave_out_neighbours() {
-    std::size_t kept = 0;
+    std::vector<int> now(out_.branches.size(), -1);
+    int kept = 0;
     for (std::size_t b = 0; b < out_.branches.size(); ++b)
-      if (followed_[b]) std::swap(out_.branches[kept++], out_.branches[b]);
-    out_.branches.resize(kept);
+      if (followed_[b]) {
+        now[b] = kept;
+        std::swap(out_.branches[static_cast<std::size_t>(kept++)], out_.branches[b]);
+      }
+    out_.branches.resize(static_cast<std::size_t>(kept));
+    const auto rename = [&](auto& found) {
+      for (auto& one : found) one.branch = now[static_cast<std::size_t>(one.branch)];
+      std::erase_if(found, [](const auto& one) { return one.branch < 0; });
+    };
+    rename(out_.criticals);
+    rename(out_.onsets);
   }
 
   void record(std::size_t k, const Stand& at) {
@@ -253,42 +225,81 @@ class Tracking {
            sure_of_b == std::min(most_, b.modes.size());
   }
 
-  /// Whether two oscillating modes, one of which is followed, exchange their order between the values.
-  bool crosses(const Stand& a, const Stand& b, const std::vector<int>& pair) const {
+  /// Where two modes, one of which is followed, exchange their order between the values, by straight lines.
+  std::optional<double> crossing(const Stand& a, const Stand& b, const std::vector<int>& pair) const {
+    const bool turning = a.turning && b.turning;
     for (std::size_t i = 0; i < pair.size(); ++i)
       for (std::size_t j = 0; j < std::min(i, most_); ++j) {
         if (pair[i] < 0 || pair[j] < 0) continue;
-        const double before = a.modes[static_cast<std::size_t>(pair[i])].value.imag() -
-                              a.modes[static_cast<std::size_t>(pair[j])].value.imag(),
-                     after = b.modes[i].value.imag() - b.modes[j].value.imag();
-        if (before * after < 0) return true;
+        const double before = before_or_behind(a.modes[static_cast<std::size_t>(pair[i])],
+                                               a.modes[static_cast<std::size_t>(pair[j])], turning),
+                     after = before_or_behind(b.modes[i], b.modes[j], turning);
+        if (before * after < 0) return a.value + (b.value - a.value) * before / (before - after);
       }
-    return false;
+    return std::nullopt;
   }
 
   Stand follow(Stand from, Stand to, int depth) {
-    align(to.modes, from.modes);
+    linear::align(to.modes, from.modes);
     std::vector<int> pair;
     const bool certain = match(from, to, pair);
     for (std::size_t j = 0; j < to.modes.size(); ++j)
-      if (pair[j] >= 0) go_on_from(from.modes[static_cast<std::size_t>(pair[j])], to.turn, to.modes[j]);
-    // A crossing may be a veering narrower than the interval: it is looked at more closely.
-    const bool good = certain && !(depth < closest && crosses(from, to, pair));
-    if (!good && depth < deepest && out_.evaluations < options_.most_evaluations) {
-      Stand middle = evaluate(0.5 * (from.value + to.value));
+      if (pair[j] >= 0)
+        linear::go_on_from(from.modes[static_cast<std::size_t>(pair[j])], to.turn, to.modes[j]);
+    const double width = to.value - from.value, share = width / step_;
+    if (depth < deepest && out_.evaluations < options_.most_evaluations) {
+      // A crossing may be a veering narrower than the interval: it is looked at more closely, where it is.
+      if (const std::optional<double> cross = crossing(from, to, pair);
+          certain && cross && share > 1.01 * closest)
+        return follow_around(*cross, step_ * std::max(share * share / 16, closest / 2), std::move(from),
+                             std::move(to), depth);
       // Modes that come together on the real axis part there for good: no halving makes that smooth.
-      if (from.modes.size() == to.modes.size() || depth < 8) {
-        middle = follow(std::move(from), std::move(middle), depth + 1);
-        return follow(std::move(middle), std::move(to), depth + 1);
-      }
+      if (!certain && (from.modes.size() == to.modes.size() || depth < 8))
+        return follow_around(0.5 * (from.value + to.value), 0, std::move(from), std::move(to), depth);
     }
-    if (!certain && from.modes.size() == to.modes.size())
-      out_.warnings.push_back(fmt::format("near {} = {:.6g} modes could not be distinguished for certain",
-                                          options_.parameter, to.value));
+    if (!certain) {
+      growing_goes_on(from, to, pair);
+      if (from.modes.size() == to.modes.size())
+        warn(fmt::format("near {} = {:.6g} modes could not be distinguished for certain", options_.parameter,
+                         to.value));
+    }
     to.branch.clear();
     for (std::size_t j = 0; j < to.modes.size(); ++j)
       to.branch.push_back(pair[j] >= 0 ? from.branch[static_cast<std::size_t>(pair[j])] : open(to.modes[j]));
+    look_between(from, to, pair);
+    before_ = std::move(from);
     return to;
+  }
+
+  /// Where two modes meet their shapes are one: the one that grows goes on as the one that does.
+  static void growing_goes_on(const Stand& from, const Stand& to, std::vector<int>& pair) {
+    const double none = largest_round_off(from, to);
+    const auto grew = [&](std::size_t j) {
+      return pair[j] >= 0 && from.modes[static_cast<std::size_t>(pair[j])].value.real() > none;
+    };
+    for (std::size_t j = 0; j < pair.size(); ++j) {
+      if (!grew(j) || to.modes[j].value.real() > none) continue;
+      for (std::size_t k = 0; k < pair.size(); ++k)
+        if (!grew(k) && to.modes[k].value.real() > none &&
+            alike(from.modes[static_cast<std::size_t>(pair[j])], to.modes[k]) > 0.3) {
+          std::swap(pair[j], pair[k]);
+          break;
+        }
+    }
+  }
+
+  /// In parts: up to a place, so far around it, and from there on.
+  Stand follow_around(double place, double around, Stand from, Stand to, int depth) {
+    const double first = place - around, second = place + around, end = to.value;
+    if (first > from.value) {
+      Stand next = evaluate(first);
+      from = follow(std::move(from), std::move(next), depth + 1);
+    }
+    if (around > 0 && second < end) {
+      Stand next = evaluate(second);
+      from = follow(std::move(from), std::move(next), depth + 1);
+    }
+    return follow(std::move(from), std::move(to), depth + 1);
   }
 
   void number_names() {
@@ -299,97 +310,222 @@ class Tracking {
     }
   }
 
-  /// Where f(λ, value) of a branch passes zero between two values. λ is found anew where f would if it were
-  /// straight between them, or half way where f is nearly zero at one side: without damping modes grow all at
-  /// once, by the square root of the distance.
-  template <class F>
-  double crossing(std::size_t branch, std::size_t k, const F& f) {
-    double low = out_.values[k - 1], high = out_.values[k];
-    std::complex<double> of_low = out_.branches[branch].values[k - 1],
-                         of_high = out_.branches[branch].values[k];
-    double place = low;
-    for (int round = 0, straight = 0; round < halvings && straight < 6; ++round) {
-      const double a = f(of_low, low), b = f(of_high, high);
-      const bool flat =
-          std::min(std::abs(a), std::abs(b)) <= nearly_zero * std::max(std::abs(a), std::abs(b));
-      straight += flat ? 0 : 1;
-      place = flat ? 0.5 * (low + high) : low - a * (high - low) / (b - a);
-      if (!(place > low && place < high) || high - low < 1e-9 * std::abs(high)) break;
-      // The mode there that lies nearest to a straight line.
-      const double share = (place - low) / (high - low);
-      const std::complex<double> expected = of_low + share * (of_high - of_low);
-      const Stand there = evaluate(place);
-      std::complex<double> nearest = expected;
-      double least = std::numeric_limits<double>::infinity();
-      for (const Mode& mode : there.modes)
-        for (const std::complex<double>& value : {mode.seen(), std::conj(mode.seen())}) {
-          const std::complex<double> here = nearest_multiple(value, there.turn, expected);
-          if (const double off = std::abs(here - expected); off < least) {
-            least = off;
-            nearest = here;
-          }
-          if (!(there.turn > 0)) break;
-        }
-      if (f(nearest, place) == 0) break;
-      if ((f(nearest, place) > 0) == (a > 0)) {
-        low = place;
-        of_low = nearest;
-      } else {
-        high = place;
-        of_high = nearest;
+  void begin(const Stand& at) {
+    oscillated_.resize(out_.branches.size());
+    for (std::size_t i = 0; i < at.modes.size(); ++i) keep(at.value, at.modes[i], at.branch[i]);
+  }
+
+  /// Where the mode has a frequency.
+  void keep(double value, const Mode& mode, int branch) {
+    if (options_.rad_per_second > 0 && mode.kind == Mode::Kind::oscillating && mode.seen().imag() > 0)
+      oscillated_[static_cast<std::size_t>(branch)] = Place{value, mode};
+  }
+
+  /// Criticals and onsets between two values, of which no more are needed to follow the modes.
+  void look_between(const Stand& from, const Stand& to, const std::vector<int>& pair) {
+    oscillated_.resize(out_.branches.size());
+    for (std::size_t j = 0; j < to.modes.size(); ++j) {
+      if (options_.rad_per_second > 0) look_for_criticals(to.value, to.modes[j], to.branch[j], to.turning);
+      keep(to.value, to.modes[j], to.branch[j]);
+    }
+    const double none = largest_round_off(from, to);
+    std::vector<char> goes_on(from.modes.size(), 0);
+    for (std::size_t j = 0; j < to.modes.size(); ++j) {
+      int i = pair[j];
+      if (i >= 0) goes_on[static_cast<std::size_t>(i)] = 1;
+      // One of two into which a mode parts.
+      if (i < 0) i = nearest_to(to.modes[j], from.modes);
+      if (i < 0) continue;
+      const Mode& before = from.modes[static_cast<std::size_t>(i)];
+      look_for_onset(from.value, before, to.value, to.modes[j], to.branch[j], none);
+      if (pair[j] >= 0)
+        look_for_dip(from.value, before, from.branch[static_cast<std::size_t>(i)], to, j, none);
+    }
+    for (std::size_t i = 0; i < from.modes.size(); ++i)
+      if (const int j = goes_on[i] != 0 ? -1 : nearest_to(from.modes[i], to.modes); j >= 0)
+        look_for_onset(from.value, from.modes[i], to.value, to.modes[static_cast<std::size_t>(j)],
+                       from.branch[i], none);
+  }
+
+  static int nearest_to(const Mode& mode, const std::vector<Mode>& modes) {
+    int nearest = -1;
+    double best = 0.3;
+    for (std::size_t k = 0; k < modes.size(); ++k)
+      if (const double how = alike(mode, modes[k]); how > best) {
+        best = how;
+        nearest = static_cast<int>(k);
       }
+    return nearest;
+  }
+
+  static double largest_round_off(const Stand& a, const Stand& b) {
+    double largest = 0;
+    for (const Stand* stand : {&a, &b})
+      for (const Mode& mode : stand->modes) largest = std::max(largest, std::abs(mode.value));
+    return std::max(no_growth * largest, no_exponent * std::max(a.turn, b.turn) / (2 * std::numbers::pi));
+  }
+
+  /// The mode at a value that goes on from one or comes to be the other, the one with the largest `prefer` of
+  /// those that are nearly as alike.
+  template <class Prefer>
+  std::optional<Mode> mode_between(double value, const Mode& low, const Mode& high, double share,
+                                   const Prefer& prefer) {
+    Stand there = evaluate(value);
+    std::vector<double> how;
+    double best = 0;
+    for (const Mode& mode : there.modes) {
+      how.push_back(std::max(alike(low, mode), alike(high, mode)));
+      best = std::max(best, how.back());
+    }
+    if (best < 0.5) return std::nullopt;
+    std::size_t chosen = there.modes.size();
+    for (std::size_t k = 0; k < how.size(); ++k)
+      if (how[k] > 0.5 * best &&
+          (chosen == how.size() || prefer(how[k], there.modes[k]) > prefer(how[chosen], there.modes[chosen])))
+        chosen = k;
+    Mode mode = std::move(there.modes[chosen]);
+    linear::go_on_from(share < 0.5 ? low : high, there.turn, mode);
+    return mode;
+  }
+
+  /// Between two places with f of different signs the one where it is zero: by a curve through the last
+  /// places, or by halves where f is none. The places become those next to it. `apart`: a share of the value,
+  /// within which of the place sought f is not exact.
+  template <class F, class Prefer>
+  double zero_between(Place& low, Place& high, bool by_halves, double apart, const F& f,
+                      const Prefer& prefer) {
+    low.f = f(low.mode, low.value);
+    high.f = f(high.mode, high.value);
+    const bool rises = high.f > low.f;
+    Samples samples{{low.value, low.f}, {high.value, high.f}};
+    if (std::abs(low.f) < std::abs(high.f)) std::swap(samples[0], samples[1]);
+    double place = samples[1].first, off = apart;
+    for (int round = 0; round < most_rounds && out_.evaluations < options_.most_evaluations; ++round) {
+      const double width = high.value - low.value, size = std::max(std::abs(low.value), std::abs(high.value)),
+                   before = apart > 0 ? place : samples.back().first;
+      place = by_halves ? low.value + 0.5 * width : zero_of(samples);
+      if (!(place >= low.value - 10 * apart * size && place <= high.value + 10 * apart * size))
+        place = low.value + 0.5 * width;
+      if (width <= 1e-3 * near_enough * size) break;
+      if (!by_halves && std::abs(place - before) <= near_enough * size && (apart == 0 || round >= 3)) break;
+      std::optional<Place> here;
+      const double towards = high.value - place > place - low.value ? 1 : -1;
+      // Where λ cannot be told there, a little beside it.
+      for (const double share : {0., 1e-4, 1e-3, 1e-2, 1e-1}) {
+        const double beside = place + towards * (share * width + off * size);
+        std::optional<Mode> mode =
+            mode_between(beside, low.mode, high.mode, (beside - low.value) / width, prefer);
+        if (mode) here = Place{beside, *mode, f(*mode, beside)};
+        if (here && std::isfinite(here->f)) break;
+        here.reset();
+      }
+      if (!here) break;
+      off *= 2;
+      samples.emplace_back(here->value, here->f);
+      if (here->value > low.value && here->value < high.value) ((here->f > 0) == rises ? high : low) = *here;
     }
     return place;
   }
 
-  void find_criticals() {
-    if (!(options_.rad_per_second > 0)) return;
-    for (const double order : options_.orders)
-      for (std::size_t b = 0; b < out_.branches.size(); ++b) {
-        const auto f = [&](const std::complex<double>& value, double at) {
-          return value.imag() - order * options_.rad_per_second * std::abs(at);
-        };
-        for (std::size_t k = 1; k < out_.values.size(); ++k) {
-          const auto &before = out_.branches[b].values[k - 1], &now = out_.branches[b].values[k];
-          if (!(before.imag() > 0) || !(now.imag() > 0)) continue;
-          const double a = f(before, out_.values[k - 1]), c = f(now, out_.values[k]);
-          if ((a > 0) == (c > 0)) continue;
-          const double place = crossing(b, k, f);
-          out_.criticals.push_back(
-              {static_cast<int>(b), place, order, order * options_.rad_per_second * std::abs(place)});
-        }
-      }
-    std::stable_sort(out_.criticals.begin(), out_.criticals.end(),
-                     [](const auto& a, const auto& b) { return a.value < b.value; });
+  void look_for_criticals(double value, const Mode& mode, int branch, bool turning) {
+    const std::optional<Place>& last = oscillated_[static_cast<std::size_t>(branch)];
+    if (!last || mode.kind != Mode::Kind::oscillating || !(mode.seen().imag() > 0)) return;
+    // Those seen from the ground and those in axes that turn are no one function.
+    const bool ground = seen_from_ground(mode);
+    if (seen_from_ground(last->mode) != ground) return;
+    for (const double order : options_.orders) {
+      const auto f = [&](const Mode& m, double at) {
+        if (seen_from_ground(m) != ground || m.kind != Mode::Kind::oscillating)
+          return std::numeric_limits<double>::quiet_NaN();
+        return m.seen().imag() - order * options_.rad_per_second * std::abs(at);
+      };
+      if ((f(last->mode, last->value) > 0) == (f(mode, value) > 0)) continue;
+      Place low = *last, high{value, mode};
+      const double place = zero_between(low, high, false, turning && ground ? apart_from_standing : 0, f,
+                                        [](double how, const Mode&) { return how; });
+      out_.criticals.push_back({branch, place, order, order * options_.rad_per_second * std::abs(place)});
+    }
   }
 
-  void find_onsets() {
-    double largest = 0;
-    for (const ModeBranch& b : out_.branches)
-      for (const auto& value : b.values)
-        if (std::isfinite(std::abs(value))) largest = std::max(largest, std::abs(value));
-    for (std::size_t b = 0; b < out_.branches.size(); ++b)
-      for (std::size_t k = 1; k < out_.values.size(); ++k) {
-        const auto &before = out_.branches[b].values[k - 1], &now = out_.branches[b].values[k];
-        if (!std::isfinite(std::abs(before)) || !std::isfinite(std::abs(now))) continue;
-        // By more than round-off.
-        const double none = 1e-9 * largest;
-        const bool grew = before.real() > none, grows = now.real() > none;
-        if (grew == grows) continue;
-        const auto f = [&](const std::complex<double>& value, double) {
-          return value.real() - (std::abs(before.real()) <= none ? 0.5 * none : 0);
-        };
-        const double place = crossing(b, k, f);
-        out_.onsets.push_back({static_cast<int>(b), place, now.imag(), grows});
-      }
-    std::stable_sort(out_.onsets.begin(), out_.onsets.end(),
-                     [](const auto& a, const auto& b) { return a.value < b.value; });
+  /// `none`: growth that is round-off.
+  void look_for_onset(double from, const Mode& first, double to, const Mode& second, int branch,
+                      double none) {
+    const double a = first.value.real(), b = second.value.real();
+    const bool grew = a > none, grows = b > none;
+    if (grew == grows) return;
+    Place low{from, first}, high{to, second};
+    // Without damping modes grow all at once, by the square root of the distance.
+    const bool neutral = std::min(std::abs(a), std::abs(b)) <= 10 * none;
+    const double offset = neutral ? none : 0;
+    const double place = zero_between(
+        low, high, neutral, 0, [&](const Mode& m, double) { return m.value.real() - offset; },
+        [](double, const Mode& m) { return m.value.real(); });
+    const Mode& growing = grows ? high.mode : low.mode;
+    for (const CampbellDiagram::Onset& o : out_.onsets)
+      if (o.branch == branch && o.grows == grows &&
+          std::abs(o.value - place) <= near_enough * std::abs(place))
+        return;
+    double frequency = growing.seen().imag();
+    // Next to an onset without damping only the one that grows is a straight line.
+    if (!neutral && high.value > low.value)
+      frequency += (grows ? place - high.value : place - low.value) / (high.value - low.value) *
+                   (high.mode.seen().imag() - low.mode.seen().imag());
+    out_.onsets.push_back({branch, place, std::abs(frequency), grows});
   }
 
+  /// A mode that is damped least between three values, and nearly not: whether it grows for a while.
+  void look_for_dip(double middle, const Mode& mode, int branch, const Stand& to, std::size_t j,
+                    double none) {
+    const auto at = std::find(before_.branch.begin(), before_.branch.end(), branch);
+    if (at == before_.branch.end()) return;
+    const Mode &first = before_.modes[static_cast<std::size_t>(at - before_.branch.begin())],
+               &third = to.modes[j];
+    const auto growth = [](const Mode& m) { return m.value.real(); };
+    const auto [least, most] = std::minmax({growth(first), growth(mode), growth(third)});
+    // Nothing is damped, or a value of the three shows that it grows.
+    if (most > none || most - least <= 10 * none) return;
+    Place a{before_.value, first, growth(first)}, b{middle, mode, growth(mode)},
+        c{to.value, third, growth(third)};
+    for (int round = 0; round < 4; ++round) {
+      // The top of the parabola through them.
+      const double left = (b.f - a.f) / (b.value - a.value), right = (c.f - b.f) / (c.value - b.value),
+                   bend = (right - left) / (c.value - a.value),
+                   top = 0.5 * (a.value + b.value) - left / (2 * bend),
+                   height = b.f - bend * (top - b.value) * (top - b.value),
+                   highest = std::max({a.f, b.f, c.f});
+      if (!(bend < 0 && top > a.value && top < c.value) || !(height > 0.5 * std::min(highest, 0.)) ||
+          std::abs(top - b.value) <= 1e-6 * (c.value - a.value))
+        return;
+      const bool behind = top > b.value;
+      const std::optional<Mode> there =
+          mode_between(top, behind ? b.mode : a.mode, behind ? c.mode : b.mode, behind ? 0 : 1,
+                       [&](double, const Mode& m) { return growth(m); });
+      if (!there) return;
+      if (growth(*there) > none) {
+        const Place &low = behind ? b : a, &high = behind ? c : b;
+        look_for_onset(low.value, low.mode, top, *there, branch, none);
+        look_for_onset(top, *there, high.value, high.mode, branch, none);
+        return;
+      }
+      if (!(growth(*there) > highest)) return;
+      (behind ? a : c) = std::move(b);
+      b = Place{top, *there, growth(*there)};
+    }
+  }
+
+  void sort_found() {
+    const auto first = [](const auto& a, const auto& b) { return a.value < b.value; };
+    std::stable_sort(out_.criticals.begin(), out_.criticals.end(), first);
+    std::stable_sort(out_.onsets.begin(), out_.onsets.end(), first);
+  }
   const ModesAt& modes_;
   const CampbellOptions& options_;
-  const std::size_t most_;      ///< of the modes at one value, in their order
-  std::vector<bool> followed_;  ///< by branch: it is somewhere among them
+  const std::size_t most_;        ///< of the modes at one value, in their order
+  std::vector<bool> followed_;    ///< by branch: it is somewhere among them
+  double step_ = 0;               ///< of the values, where it is now
+  std::ptrdiff_t standing_ = -1;  ///< modes that do not oscillate, where the whole turns; −1: not known
+  Stand before_;                  ///< the one before the interval that is looked at
+  std::vector<std::optional<Place>> oscillated_;  ///< by branch: where it last did
   CampbellDiagram out_;
 };
 

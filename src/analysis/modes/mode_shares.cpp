@@ -304,10 +304,17 @@ VectorXcd ModeShares::momentum(const VectorXcd& v) {
   return out;
 }
 
+VectorXcd ModeShares::motion_of(const Mode& mode) const {
+  const Reduced& r = at_.reduced;
+  return r.position.leftCols(r.A.cols()).cast<std::complex<double>>() * mode.shape;
+}
+
+void ModeShares::see_from_ground(Mode& mode) { find_whirl(motion_of(mode), mode); }
+
 void ModeShares::describe(Mode& mode, bool mixed) {
   const Reduced& r = at_.reduced;
   const auto states = r.A.cols();
-  mode.motion = r.position.leftCols(states).cast<std::complex<double>>() * mode.shape;
+  mode.motion = motion_of(mode);
   const VectorXcd velocity = r.velocity.leftCols(states).cast<std::complex<double>>() * mode.shape;
   // A rigid motion has no velocity of its own, unless it drifts; nor has one that only the turning axes see.
   const bool still =

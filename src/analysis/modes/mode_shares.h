@@ -22,8 +22,11 @@ class ModeShares {
 
   /// Of the mechanism.
   const std::vector<Blades>& blades() const { return blades_; }
+  /// Only Mode::fixed and its sense, by the shape.
+  void see_from_ground(Mode& mode);
 
  private:
+  Eigen::VectorXcd motion_of(const Mode& mode) const;
   void describe(Mode& mode, const Eigen::VectorXcd& moves, const Eigen::VectorXcd& momentum,
                 double stiffness_energy, bool mixed);
   Eigen::VectorXcd momentum(const Eigen::VectorXcd& v);

@@ -259,6 +259,26 @@ std::vector<Mode> floquet_modes(const linear::Linearised& at, const VectorXd& sc
   return modes;
 }
 
+/// By the frequencies that the ground sees, which are those that people know. `mixed`: in the order of the
+/// modes.
+void sort_as_seen(linear::ModeShares& shares, std::vector<Mode>& modes, std::vector<char>& mixed) {
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    shares.see_from_ground(modes[k]);
+    order.emplace_back(modes[k].kind == Mode::Kind::rigid ? 0 : std::abs(modes[k].seen()), k);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Mode> sorted;
+  std::vector<char> sorted_mixed;
+  for (const auto& [frequency, k] : order) {
+    sorted.push_back(std::move(modes[k]));
+    sorted_mixed.push_back(mixed[k]);
+  }
+  modes = std::move(sorted);
+  mixed = std::move(sorted_mixed);
+}
+
 /// Whether the coefficients vary along the steady motion of the point, but for other axes.
 bool varies(const linear::Linearised& at) { return at.names.varies > 0 && at.axes.empty(); }
 
@@ -318,6 +338,7 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
     set_vectors(out.modes[k], VectorXcd(out.modes[k].shape.cwiseQuotient(scale.cast<std::complex<double>>())),
                 VectorXcd(out.modes[k].left.cwiseProduct(scale.cast<std::complex<double>>())),
                 at.reduced.coordinates, scale);
+  if (at.turning > 0) sort_as_seen(shares, out.modes, mixed);
   if (options.most > 0 && std::ssize(out.modes) > options.most)
     out.modes.resize(static_cast<std::size_t>(options.most));
   for (std::size_t k = 0; k < out.modes.size(); ++k) shares.describe(out.modes[k], mixed[k] != 0);
