@@ -45,7 +45,7 @@ struct InverseDynamics {
   std::vector<ResultsRow> rows;
   int free = 0;         ///< independent motions that nothing prescribes
   int redundant = 0;    ///< forces that could be left out: those given are then the smallest, Σ force²
-  double residual = 0;  ///< largest part of the forces that no drive makes, by those at play
+  double residual = 0;  ///< the most that no drive makes at an instant, by the most at play at any
   std::vector<std::string> warnings;
 };
 

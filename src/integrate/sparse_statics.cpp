@@ -21,6 +21,7 @@ using Matrix = linalg::SparseMatrix;
 // Shares of the scales of coordinates and equations, and of the work of the forces at play along those.
 constexpr double difference = 1e-6, one_sided = 1e-7;  ///< of coordinates, for tangents
 constexpr double furthest_turn = 0.4;                  ///< of bodies in one step, rad
+constexpr double furthest_newton = 1;                  ///< that Newton's steps are trusted with
 constexpr double still = 1e-10;                        ///< of the last step and of violations
 constexpr double exactly_closed = 1e-13;               ///< no better is sought
 constexpr double nearly_closed = 1e-6;                 ///< of positions between two iterations
@@ -188,13 +189,13 @@ class SparseSearch {
     held_ = VectorXd::Zero(n);
   }
 
-  StaticsStatus run() { return search(); }
+  StaticsStatus run();
   StaticsStatus run_by_loads();
   void judge_stability(StaticsStatus& status, VectorXd* growing);
   void finish() { s_.multipliers = scaled_.unscaled(multipliers_); }
 
  private:
-  static constexpr int most_steps = 400, most_trials = 1000, closing_rounds = 25;
+  static constexpr int most_steps = 400, most_trials = 1000, closing_rounds = 25, most_newtons = 40;
 
   VectorXd forces(const VectorXd& q, const VectorXd& multipliers) {
     return scaled_.forces(q, multipliers) - held_;
@@ -219,6 +220,7 @@ class SparseSearch {
   void take_newtons(const Point& at, TrustTime& time, Step& step) const;
   Taken take(const Step& step, const linalg::ConstrainedSolver& equations, TrustTime& time);
   StaticsStatus search();
+  StaticsStatus newton();
 
   ScaledSystem scaled_;
   State& s_;
@@ -356,7 +358,7 @@ StaticsStatus SparseSearch::search() {
     const bool balanced =
         work <= std::max(balanced_share * energy_, round_off_share * linalg::largest_entry(K_));
     if (balanced && !time.is_newton() && at.off < closed) take_newtons(at, time, step);
-    stalled = step.length < 100 * still && step.length > 0.5 * last ? stalled + 1 : 0;
+    stalled = step.length < tiny_step && step.length > 0.5 * last ? stalled + 1 : 0;
     last = step.length;
     if (balanced && time.is_newton() && at.off < closed && (step.length < still || stalled > 3)) {
       status.converged = true;
@@ -367,6 +369,68 @@ StaticsStatus SparseSearch::search() {
     if (taken == Taken::never) return status;
     moved = taken == Taken::yes;
   }
+  return status;
+}
+
+/// Newton's steps, as long as the matrix is definite and no step goes further than the mechanism is large:
+/// slender parts turn far at the cost of forces along them, which grow in every step and vanish in the next,
+/// so that a search that looks at forces makes tiny steps. What nothing holds, or touches nothing yet, would
+/// go far, and is left to that search.
+StaticsStatus SparseSearch::newton() {
+  StaticsStatus status;
+  const double closed = std::max(still, 10 * scaled_.round_off());
+  TrustTime time(pace_);
+  time.open();
+  linalg::ConstrainedSolver equations;
+  Point at;
+  Step step;
+  double last = 0;
+  int stalled = 0;
+  VectorXd q(s_.q.size());
+  while (status.iterations < most_newtons) {
+    ++status.iterations;
+    if (!evaluate(at, status)) return status;
+    const double round_off = round_off_share * linalg::largest_entry(K_);
+    if (status.iterations == 1 && at.off < closed && largest_of(at.r) <= round_off) {
+      status.converged = true;  // as it is drawn, even if nothing holds it
+      return status;
+    }
+    equations.set(K_ + time.inertia() * mass_, J_);
+    if (!equations.ok() || !equations.definite() || !solve(equations, at, step)) return status;
+    double work = 0;
+    if (scaled_.coordinates() > 0) {
+      work = step.unbalanced.cwiseAbs().maxCoeff(&status.coordinate);
+      status.residual = work / scaled_.scale()[status.coordinate];
+    }
+    if (step.length > furthest_newton) return status;
+    const bool balanced = work <= std::max(balanced_share * energy_, round_off);
+    stalled = step.length < tiny_step && step.length > 0.5 * last ? stalled + 1 : 0;
+    last = step.length;
+    if (balanced && at.off < closed && (step.length < still || stalled > 3)) {
+      status.converged = true;
+      multipliers_ += step.change;
+      return status;
+    }
+    scaled_.move(s_.q, step.x, q);
+    double leaves = 0;
+    scaled_.violation(q, leaves);
+    const double share = leaves > furthest_turn * furthest_turn ? furthest_turn / std::sqrt(leaves) : 1;
+    if (share < 1) scaled_.move(s_.q, share * step.x, q);
+    if (!q.allFinite() || !close(equations, q)) return status;
+    s_.q = q;
+    multipliers_ += share * step.change;
+  }
+  return status;
+}
+
+StaticsStatus SparseSearch::run() {
+  const VectorXd q = s_.q, multipliers = multipliers_;
+  const StaticsStatus first = newton();
+  if (first.converged) return first;
+  s_.q = q;
+  multipliers_ = multipliers;
+  StaticsStatus status = search();
+  status.iterations += first.iterations;
   return status;
 }
 

@@ -54,10 +54,15 @@ AncfLine ancf_line(const Mesh& mesh, const AncfOptions& options) {
   }
   const Eigen::Vector3d whole = mesh.nodes.col(line.nodes.back()) - mesh.nodes.col(start);
   line.along = whole.normalized();
+  if (static_cast<Eigen::Index>(line.nodes.size()) != mesh.nodes.cols())
+    refuse_ancf("the mesh has nodes that are on no bar");
+  double last = -1;
   for (const int node : line.nodes) {
     const Eigen::Vector3d r = mesh.nodes.col(node) - mesh.nodes.col(start);
     if ((r - r.dot(line.along) * line.along).norm() > kStraight * whole.norm())
       refuse_ancf(fmt::format("node {} is off the line", node));
+    if (!(r.dot(line.along) > last)) refuse_ancf(fmt::format("it doubles back at node {}", node));
+    last = r.dot(line.along);
   }
   return line;
 }

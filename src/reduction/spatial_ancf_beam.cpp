@@ -36,11 +36,12 @@ struct Numbering {
 };
 
 /// Columns: along, across and normal of the line, which are the axes of its sections.
-Matrix3d line_axes(const Mesh& mesh, const AncfLine& line) {
+Matrix3d line_axes(const Mesh& mesh, const AncfLine& line, bool thick) {
   Matrix3d axes;
   axes.col(0) = line.along;
   axes.col(1) = element_geometry(mesh, line.elements.front()).axes.col(1);
   axes.col(2) = axes.col(0).cross(axes.col(1));
+  if (!thick) return axes;
   for (const int k : line.elements) {
     const Section& s = mesh.elements[static_cast<std::size_t>(k)].section;
     const Vector3d y = element_geometry(mesh, k).axes.col(1);
@@ -231,7 +232,7 @@ ReducedBody spatial_ancf_beam(const Mesh& mesh, const AncfOptions& options,
   const bool thick = options.kind == AncfKind::thick;
   const int elements = static_cast<int>(line.elements.size()), a_piece = thick ? 2 : 1;
   const Numbering numbers{options.kind, a_piece * elements + 1};
-  const Matrix3d axes = line_axes(mesh, line);
+  const Matrix3d axes = line_axes(mesh, line, thick);
   AncfBeam beam;
   beam.kind = options.kind;
   beam.along = axes.col(0);

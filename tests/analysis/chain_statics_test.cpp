@@ -122,6 +122,32 @@ TEST(Catenary, OfAThousandLinks) {
   }
 }
 
+/// A strip that its weight bends by a seventh of its length, stiff against stretch: a few of Newton's steps,
+/// however fine it is divided.
+TEST(ChainStatics, SlenderBeamsAreFoundByFewSteps) {
+  const auto hang = [](int elements) {
+    return static_equilibrium(model_of(fmt::format(R"(
+gravity: [0, 0, -9.81]
+materials: {{s: {{young: 2.1e11, poisson: 0.3, density: 7850}}}}
+sections: {{r: {{type: rectangle, width: 0.02, height: 0.002}}}}
+bodies:
+  beam:
+    frame: {{at: [0, 0, 0]}}
+    flexible: {{material: s, section: r, nodes: {{a: [0, 0, 0], b: [1, 0, 0]}}, clamped: [a], beam: corotational,
+               bars: {{all: {{from: a, to: b, elements: {}}}}}}}
+joints: {{f: {{type: fixed, between: [ground, beam], at: [0, 0, 0]}}}}
+outputs: [{{name: z, position: beam.b, component: z}}]
+)",
+                                                   elements)));
+  };
+  const StaticResult coarse = hang(15), fine = hang(80);
+  EXPECT_TRUE(fine.sparse);
+  EXPECT_LT(fine.iterations, 20);
+  EXPECT_TRUE(fine.stable);
+  EXPECT_LT(value_of(fine, "z"), -0.09);
+  EXPECT_NEAR(value_of(fine, "z"), value_of(coarse, "z"), 1e-4);
+}
+
 /// Rods that stand one on another, held by springs that are too weak: straight is an unstable equilibrium.
 /// Natural coordinates take the sparse search, relative ones the dense one; both find the same growth.
 TEST(Rods, StandUnstably) {

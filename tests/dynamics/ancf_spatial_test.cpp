@@ -270,6 +270,30 @@ TEST(AncfThick, TwistShearAndStretchResistAsBeamsDo) {
     return d;
   });
   EXPECT_NEAR(shear / (0.5 * G * e.section.shear_y * small * small * length), 1, 1e-5);
+  const double shear_z = strained([&](double x) {
+    Eigen::Matrix3d d = Eigen::Matrix3d::Zero();
+    d(2, 0) = small * x;
+    return d;
+  });
+  EXPECT_NEAR(shear_z / (0.5 * G * e.section.shear_z * small * small * length), 1, 1e-5);
+  // Bent to parabolas v = ½ c x², their sections at right angles to the line.
+  const double c = 1e-3;
+  const auto bent = [&](int across) {
+    return strained([&](double x) {
+      Eigen::Matrix3d d = Eigen::Matrix3d::Zero();
+      d(across, 0) = 0.5 * c * x * x;
+      d(0, across) = -c * x;
+      return d;
+    });
+  };
+  EXPECT_NEAR(bent(1) / (0.5 * e.material.young * e.section.Iz * c * c * length), 1, 1e-3);
+  EXPECT_NEAR(bent(2) / (0.5 * e.material.young * e.section.Iy * c * c * length), 1, 1e-3);
+}
+
+TEST(AncfInSpaceRefuses, LinesThatDoubleBack) {
+  fe::Mesh back = line(AncfKind::cable, 2, 1);
+  back.nodes.col(1) = back.nodes.col(0) + 1.5 * (back.nodes.col(2) - back.nodes.col(0));
+  EXPECT_THROW(fe::ancf_beam(back, {AncfKind::cable, 0, Vector3d::UnitZ(), 0}, {}), std::invalid_argument);
 }
 
 TEST(AncfInSpaceRefuses, WhatItDoesNotKnow) {

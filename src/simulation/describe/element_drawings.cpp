@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "joints/joint_kind.h"
+#include "math/rotation.h"
 #include "math/space_curve.h"
 #include "spec/constraint_kind.h"
 #include "spec/force_law.h"
@@ -88,7 +89,12 @@ class Collector {
       drawing.motion.block(row, 0, 3, count) = shapes.leftCols(count);
     };
     if (data.flexible >= 0) fill(0, data.X.matrix());
-    if (data.flexible >= 0 && data.turns) fill(3, data.X_theta.matrix());
+    if (data.flexible >= 0 && data.turns) {
+      // Of beams by absolute nodal coordinates the change of slope: it turns by along × that.
+      const bool slope = data.turn == FrameTurn::slope || data.turn == FrameTurn::direction;
+      fill(3, slope ? Eigen::MatrixXd(skew<double>(data.along) * data.X_theta.matrix())
+                    : Eigen::MatrixXd(data.X_theta.matrix()));
+    }
     drawn.frames.push_back(std::move(drawing));
     return place;
   }

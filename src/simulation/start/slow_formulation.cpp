@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "dynamics/natural/once/layout.h"
 #include "mimbre/method_names.h"
 
@@ -39,11 +41,16 @@ std::string explain_slow_formulation(const Simulation& simulation) {
   if (!(relative > many)) return {};
   const double natural = operations(*natural::Layout(m).symbolic);
   if (!(relative > times_slower * natural)) return {};
+  const auto pooled = [](const ElementData& e) { return e.pooled; };
+  const auto elastodynamic = [](const BodyData& b) { return b.elastodynamic; };
+  const bool chain_by_transfer = !is_runge_kutta(method.integrator) &&
+                                 std::none_of(m.elements.begin(), m.elements.end(), pooled) &&
+                                 std::none_of(m.bodies.begin(), m.bodies.end(), elastodynamic);
   return fmt::format(
       "the matrix of {} relative coordinates takes {:.2g} operations to factorise, {:.0f} times as many as "
       "that of natural ones; {}--formulation natural is the fast choice for so long a chain",
       m.velocities, relative, relative / natural,
-      is_runge_kutta(method.integrator) ? "" : "--formalism transfer_matrices or ");
+      chain_by_transfer ? "--formalism transfer_matrices or " : "");
 }
 
 }  // namespace mimbre
