@@ -67,9 +67,11 @@ notebooks = [path for path in examples if "# %%" in path.read_text(encoding="utf
 
 #: What notebooks must have found.
 found = {
+    "car.py": [r"\d\.\d\d Hz, damping ratio .*: pitch", r"bounce", r"roll", r"(?s)(wheel hop.*){4}", r"3\.00 m/s²"],
     "learning.py": ["4 of 4 stand"],
     "optimising.py": [r"k = 12.3\d", r"c = 0.21\d", r"without noise: off by \d.\de-(0[89]|1\d)", "is better: True"],
     "robot_arm.py": [r"tip differs by 0.0e\+00 m"],
+    "wind_turbine.py": [r"0\.65\d Hz at 2 rpm, 0\.72\d Hz at 14 rpm: blades collective", "blades backward"],
     "solid_arm.py": [r"node \d+ at .* MPa"],
 }
 

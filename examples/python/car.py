@@ -1,0 +1,54 @@
+# %% [markdown]
+# # How a car rides and steers
+#
+# The Iltis of `examples/iltis`, a vehicle with a flexible suspension: its modes at rest by name, and the steering that
+# a circle takes. This file is a script and a notebook.
+# %%
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import mimbre
+import numpy as np
+
+folder = Path("examples/iltis")
+
+# %% [markdown]
+# ## Modes at rest
+#
+# Every mode knows what it consists of: `coordinates` has the shares of the joints' coordinates in its motion. The
+# chassis moves by the joint `free`, whose coordinates are those along and about x, y and z; the wheels hop by their
+# arms.
+# %%
+RIDE = {"'free' along z": "bounce", "'free' about y": "pitch", "'free' about x": "roll"}
+
+
+def name_of(mode: mimbre.EigenMode) -> str:
+    """By the coordinate with the largest share, or that of all wheels."""
+    hop = sum(share for of, share in mode.coordinates.items() if of.endswith(".arm'"))
+    most = max(mode.coordinates, key=lambda of: mode.coordinates[of])
+    return "wheel hop" if hop > mode.coordinates[most] else RIDE.get(most, most)
+
+
+model = mimbre.Model.from_file(folder / "vehicle.yaml")
+ride = [mode for mode in model.modes(at="equilibrium", most=10) if mode.kind == "oscillating"]
+for mode in ride:
+    print(f"{mode.frequency:6.2f} Hz, damping ratio {mode.damping:.2f}: {name_of(mode)}")
+
+# %% [markdown]
+# ## Steering on a circle
+#
+# At 20 m/s, with more and more lateral acceleration: the angle of steering, and how it grows beyond what the circle
+# alone asks for. Its slope is the understeer gradient.
+# %%
+driven = mimbre.Model.from_file(folder / "steady.yaml")
+accelerations = np.array([0.05, 1.0, 2.0, 3.0])
+racks = []
+for acceleration in accelerations:
+    found = driven.trim(find=["steering", "throttle"], speed=20, lateral_acceleration=float(acceleration))
+    racks.append(found["rack"])
+    print(f"{acceleration:4.2f} m/s²: steering {found.inputs['steering']:.4f}, sideslip {found.sideslip:+.4f} rad")
+
+figure, axes = plt.subplots()
+axes.plot(accelerations, 1e3 * np.array(racks), "o-")
+axes.set(xlabel="lateral acceleration, m/s²", ylabel="rack, mm")
+plt.show()
