@@ -13,7 +13,16 @@ class Method(TypedDict, total=False):
     """Coordinates: of the joints (relative), or points and unit vectors (natural)."""
     inertia: Literal["integrals", "projection", "projection_translations"]
     """Inertia of flexible bodies: shape integrals, or projection of the mesh's mass matrix in every evaluation."""
-    formalism: Literal["index3", "index1", "baumgarte", "penalty", "index1_augmented", "independent", "global_modes", "transfer_matrices"]
+    formalism: Literal[
+        "index3",
+        "index1",
+        "baumgarte",
+        "penalty",
+        "index1_augmented",
+        "independent",
+        "global_modes",
+        "transfer_matrices",
+    ]
     """How the constraints enter the equations of motion."""
     integrator: Literal["generalized_alpha", "newmark", "hht", "conserve", "rk4", "dopri853", "radau", "auto"]
     """How steps are made."""

@@ -462,12 +462,6 @@ INSTANTIATE_TEST_SUITE_P(
                   },
                   0.001},
         Mechanism{
-            "thick_absolute_nodal_coordinates",
-            [] {
-              return example("spin-up-beam/beam-3d.yaml", {{"method", "ancf_thick"}, {"elements", "3"}});
-            },
-            0.001},
-        Mechanism{
             "cable_of_absolute_nodal_coordinates",
             [] {
               return example("spin-up-beam/beam-3d.yaml", {{"method", "ancf_cable"}, {"elements", "4"}});
