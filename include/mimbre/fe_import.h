@@ -180,8 +180,8 @@ struct ImportedBody {
 /// static modes of the nodes the two are each other's inverse, and a body comes back as it was. Not in the
 /// format, and lost by writing: axes of frames (positions and modes are in body axes), mode names, stress,
 /// drawing lines and points, modes in the user's view, second order. Blanks in the names of frames become
-/// '_'. Writing throws std::invalid_argument for a body without frames, or with boundary loads and a
-/// stiffness that is not positive definite.
+/// '_'. Writing throws std::invalid_argument for a body without frames, a beam by absolute nodal
+/// coordinates, and boundary loads with a stiffness that is not positive definite.
 ImportedBody read_mbdyn_fem(const std::string& path);
 void write_mbdyn_fem(const ReducedBody& body, const std::string& path);
 
@@ -195,7 +195,8 @@ void write_mbdyn_fem(const ReducedBody& body, const std::string& path);
 /// as it does, is one node with it. Points keep their labels, unless these are there twice or are frames'
 /// too: then they are numbered. Frames are numbered, above those labels, unless all are called `node NUMBER`.
 /// Without a place there: strain, triangles, drawing lines, modes in the user's view, second order. Throws
-/// std::invalid_argument for boundary loads and a stiffness that is not positive definite.
+/// std::invalid_argument for a beam by absolute nodal coordinates, and for boundary loads with a stiffness
+/// that is not positive definite.
 ImportedBody read_sid(const std::string& path);
 void write_sid(const ReducedBody& body, const std::string& path);
 

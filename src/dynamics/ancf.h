@@ -155,7 +155,7 @@ void add_tangent(const FlexibleData& f, const T* y, double stiffness, double dam
 /// axis is stiff. They decide whether a tangent is still good.
 inline std::size_t marks(const FlexibleData& f) {
   std::size_t count = 9 * f.ancf.size();
-  for (const AncfSpatialElement& e : f.ancf_spatial) count += marks(e);
+  for (const AncfSpatialElement& e : f.ancf_spatial) count += mark_count(e);
   return count;
 }
 
@@ -178,7 +178,11 @@ void visit_marks(const FlexibleData& f, const double* y, const Visit& visit) {
       visit(stiffness * strain.by_slope[0]);
       visit(stiffness * strain.by_slope[1]);
     }
-  for (const AncfSpatialElement& e : f.ancf_spatial) visit_marks(e, y, visit);
+  for (const AncfSpatialElement& e : f.ancf_spatial) {
+    std::array<double, 24> of_element;
+    marks(e, y, of_element.data());
+    for (std::size_t k = 0; k < mark_count(e); ++k) visit(of_element[k]);
+  }
 }
 
 /// Keeps the marks at y.

@@ -134,18 +134,19 @@ void visit_points(const AncfSpatialElement& e, const Visit& visit) {
   }
 }
 
-/// Calls visit(amplitude, field, component, weight) for all that the vectors of a law are made of.
+/// Calls visit(component, field, axis, weight) for all that the vectors of a law are made of; of components
+/// of the element's vectors that have an amplitude.
 template <class Law, class Visit>
 void visit_weights(const AncfSpatialElement& e, const AncfSpatialElement::Point& p, const Visit& visit) {
   for (std::size_t f = 0; f < Law::fields.size(); ++f) {
     const Field& field = Law::fields[f];
     const auto& weights = field.higher ? p.higher : p.lower;
     for (int k = 0; k < Law::shapes; ++k) {
-      if (weights[static_cast<std::size_t>(k)] == 0) continue;
-      const int at = 3 * (field.first + Law::stride * k);
-      for (int c = 0; c < 3; ++c)
-        if (const int amplitude = e.amplitudes[static_cast<std::size_t>(at + c)]; amplitude >= 0)
-          visit(amplitude, f, c, weights[static_cast<std::size_t>(k)]);
+      const double weight = weights[static_cast<std::size_t>(k)];
+      if (weight == 0) continue;
+      const auto first = static_cast<std::size_t>(3 * (field.first + Law::stride * k));
+      for (std::size_t c = 0; c < 3; ++c)
+        if (e.amplitudes[first + c] >= 0) visit(first + c, f, static_cast<int>(c), weight);
     }
   }
 }
@@ -162,8 +163,9 @@ Vectors<Law, T> vectors(const AncfSpatialElement& e, const AncfSpatialElement::P
     x[f] = Vec3<T>::Zero();
     if (const int axis = Law::fields[f].axis; axis >= 0 && !rates) x[f][axis] = T(1);
   }
-  visit_weights<Law>(
-      e, p, [&](int amplitude, std::size_t f, int c, double weight) { x[f][c] += weight * y[amplitude]; });
+  visit_weights<Law>(e, p, [&](std::size_t k, std::size_t f, int c, double weight) {
+    x[f][c] += weight * y[e.amplitudes[k]];
+  });
   return x;
 }
 
@@ -184,8 +186,8 @@ void add_forces(const AncfSpatialElement& e, double elastic, double damping, con
       stress *= T(p.stiffness[m]);
       for (std::size_t f = 0; f < x.size(); ++f) force[f] += strain.by[m][f] * stress;
     }
-    visit_weights<Law>(e, p, [&](int amplitude, std::size_t f, int c, double weight) {
-      out[amplitude] += weight * force[f][c];
+    visit_weights<Law>(e, p, [&](std::size_t k, std::size_t f, int c, double weight) {
+      out[e.amplitudes[k]] += weight * force[f][c];
     });
   });
 }
@@ -230,38 +232,50 @@ std::array<Vectors<Law, T>, 3 * Law::fields.size()> second_derivatives(const Anc
   return out;
 }
 
-/// Of one element, as add_tangent() of ancf.h; `damping` times the beam's.
-template <class T, class Add>
-void add_tangent(const AncfSpatialElement& e, const T* y, double stiffness, double damping, const Add& add) {
+/// Components of an element's vectors.
+inline int components(const AncfSpatialElement& e) { return e.thick ? 27 : 12; }
+
+/// stiffness · ∂f/∂y + damping · ∂f/∂ẏ at ẏ = 0 of one element, by its components, row by row.
+template <class T>
+void tangent(const AncfSpatialElement& e, const T* y, double stiffness, double damping, T* out) {
+  const auto n = static_cast<std::size_t>(components(e));
+  for (std::size_t k = 0; k < n * n; ++k) out[k] = T(0);
   visit_points(e, [&]<class Law>(const Law&, const AncfSpatialElement::Point& p) {
     const auto C = second_derivatives<Law, T>(p, vectors<Law>(e, p, y, false), stiffness, damping);
-    visit_weights<Law>(e, p, [&](int row, std::size_t f, int c, double weight) {
+    visit_weights<Law>(e, p, [&](std::size_t row, std::size_t f, int c, double weight) {
       const Vectors<Law, T>& of_row = C[3 * f + static_cast<std::size_t>(c)];
-      visit_weights<Law>(e, p, [&](int column, std::size_t g, int d, double other) {
-        add(row, column, (weight * other) * of_row[g][d]);
+      visit_weights<Law>(e, p, [&](std::size_t column, std::size_t g, int d, double other) {
+        out[row * n + column] += (weight * other) * of_row[g][d];
       });
     });
   });
 }
 
-/// Numbers that visit_marks() has of an element.
-inline std::size_t marks(const AncfSpatialElement& e) { return e.thick ? 24 : 12; }
+// Of doubles they are in ancf_spatial.cpp (see there).
+void add_forces(const AncfSpatialElement& e, double elastic, double damping, const double* y,
+                const double* yd, double* out);
+double energy(const AncfSpatialElement& e, const double* y);
+void tangent(const AncfSpatialElement& e, const double* y, double stiffness, double damping, double* out);
 
-/// As visit_marks() of ancf.h, one by one: what stress resists motion across the line with, and in which
-/// directions it is stiff, N/m.
-template <class Visit>
-void visit_marks(const AncfSpatialElement& e, const double* y, const Visit& visit) {
-  const double square = e.length * e.length;
-  visit_points(e, [&]<class Law>(const Law&, const AncfSpatialElement::Point& p) {
-    if constexpr (std::is_same_v<Law, CableStretch> || std::is_same_v<Law, ThickBeam>) {
-      const Vectors<Law, double> x = vectors<Law>(e, p, y, false);
-      const auto strain = Law::template at<double>(x.data());
-      for (std::size_t m = 0; m < strain.value.size(); ++m)
-        visit(p.stiffness[m] * strain.value[m] / (m < 3 ? square : square * e.length));
-      for (std::size_t m = 0; m < (Law::strains > 1 ? 2 : 1); ++m)
-        for (int c = 0; c < 3; ++c) visit(p.stiffness[m] / square * strain.by[m][0][c]);
+/// As add_tangent() of ancf.h; `damping` times the beam's.
+template <class T, class Add>
+void add_tangent(const AncfSpatialElement& e, const T* y, double stiffness, double damping, const Add& add) {
+  T K[27 * 27];
+  tangent(e, y, stiffness, damping, K);
+  const int n = components(e);
+  for (int r = 0; r < n; ++r)
+    for (int c = 0; c < n; ++c) {
+      const int row = e.amplitudes[static_cast<std::size_t>(r)],
+                column = e.amplitudes[static_cast<std::size_t>(c)];
+      if (row >= 0 && column >= 0) add(row, column, K[r * n + c]);
     }
-  });
 }
+
+/// Numbers that marks() has of an element.
+inline std::size_t mark_count(const AncfSpatialElement& e) { return e.thick ? 24 : 12; }
+
+/// As the marks of ancf.h: what stress resists motion across the line with, and in which directions it is
+/// stiff, N/m.
+void marks(const AncfSpatialElement& e, const double* y, double* out);
 
 }  // namespace mimbre::ancf

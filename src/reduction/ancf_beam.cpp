@@ -2,9 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "fe/elements/beam_element.h"
@@ -98,9 +96,7 @@ ReducedBody ancf_beam(const Mesh& mesh, const AncfOptions& options, const std::v
       body.mode_names.push_back(fmt::format("{}, node {}", what, k + 1));
 
   clear_shape_integrals(body, body.modes);
-  body.mass_matrix.setZero(body.modes, body.modes);
   body.stiffness.setZero(body.modes, body.modes);
-  double area = 0;
   for (int k = 0; k + 1 < nodes; ++k) {
     const int index = line.elements[static_cast<std::size_t>(k)];
     const BeamElement& element = mesh.elements[static_cast<std::size_t>(index)];
@@ -121,17 +117,9 @@ ReducedBody ancf_beam(const Mesh& mesh, const AncfOptions& options, const std::v
     const double polar = polar_inertia(element) * e.length;
     body.second_moment += polar * (0.5 * Eigen::Matrix3d::Identity() - beam.along * beam.along.transpose());
     beam.elements.push_back(e);
-    body.lines.push_back(
-        {line.nodes[static_cast<std::size_t>(k)], line.nodes[static_cast<std::size_t>(k + 1)]});
-    area = std::max(area, element.section.area);
   }
-  complete_shape_integrals(body);
-  body.mass_matrix = body.S_modes[0][0] + body.S_modes[1][1] + body.S_modes[2][2];
-  body.damping = options.stiffness_damping * body.stiffness;
-  body.user_from_modal.setIdentity(body.modes, body.modes);
-  body.line_radius = std::sqrt(area / std::numbers::pi);
+  complete_ancf_body(mesh, line, options, body);
 
-  body.nodes = mesh.nodes;
   body.node_shapes.setZero(3 * mesh.nodes.cols(), body.modes);
   Eigen::MatrixXd slopes = body.node_shapes;
   for (int k = 0; k < nodes; ++k)

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "fe/elements/beam_element.h"
+#include "reduction/shape_integrals.h"
 
 namespace mimbre::fe {
 namespace {
@@ -65,6 +68,20 @@ AncfLine ancf_line(const Mesh& mesh, const AncfOptions& options) {
     last = r.dot(line.along);
   }
   return line;
+}
+
+void complete_ancf_body(const Mesh& mesh, const AncfLine& line, const AncfOptions& options,
+                        ReducedBody& body) {
+  complete_shape_integrals(body);
+  body.mass_matrix = body.S_modes[0][0] + body.S_modes[1][1] + body.S_modes[2][2];
+  body.damping = options.stiffness_damping * body.stiffness;
+  body.user_from_modal.setIdentity(body.modes, body.modes);
+  body.nodes = mesh.nodes;
+  for (std::size_t k = 0; k + 1 < line.nodes.size(); ++k)
+    body.lines.push_back({line.nodes[k], line.nodes[k + 1]});
+  double area = 0;
+  for (const BeamElement& e : mesh.elements) area = std::max(area, e.section.area);
+  body.line_radius = std::sqrt(area / std::numbers::pi);
 }
 
 void add_ancf_frames(const Mesh& mesh, const std::vector<NodeFrame>& frames, const Eigen::MatrixXd& turns,

@@ -19,6 +19,10 @@ struct AncfLine {
 /// Throws as ancf_beam() does.
 AncfLine ancf_line(const Mesh& mesh, const AncfOptions& options);
 
+/// After the mass points and the stiffness: the other matrices, and what is drawn.
+void complete_ancf_body(const Mesh& mesh, const AncfLine& line, const AncfOptions& options,
+                        ReducedBody& body);
+
 /// `turns`: X_theta of the nodes' frames, as node_shapes.
 void add_ancf_frames(const Mesh& mesh, const std::vector<NodeFrame>& frames, const Eigen::MatrixXd& turns,
                      ReducedBody& body);

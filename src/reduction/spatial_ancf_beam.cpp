@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "fe/elements/beam_element.h"
@@ -244,18 +243,15 @@ ReducedBody spatial_ancf_beam(const Mesh& mesh, const AncfOptions& options,
   name_modes(numbers, body);
   clear_shape_integrals(body, body.modes);
   body.stiffness.setZero(body.modes, body.modes);
-  double area = 0;
   for (int k = 0; k < elements; ++k) {
     const int index = line.elements[static_cast<std::size_t>(k)];
     const BeamElement& element = mesh.elements[static_cast<std::size_t>(index)];
-    const std::array<int, 2> ends{line.nodes[static_cast<std::size_t>(k)],
-                                  line.nodes[static_cast<std::size_t>(k + 1)]};
     Spatial e = element_of(mesh, index, options.kind);
     e.amplitudes.fill(-1);
     const int width = 3 * numbers.vectors();
     for (int c = 0; c < width * (a_piece + 1); ++c)
       e.amplitudes[static_cast<std::size_t>(c)] = numbers.at(a_piece * k + c / width, c % width / 3, c % 3);
-    add_mass(e, element, mesh.nodes.col(ends[0]), axes, thick, body);
+    add_mass(e, element, mesh.nodes.col(line.nodes[static_cast<std::size_t>(k)]), axes, thick, body);
     if (thick) {
       add_thick_stiffness(e, body.stiffness);
     } else {
@@ -264,15 +260,8 @@ ReducedBody spatial_ancf_beam(const Mesh& mesh, const AncfOptions& options,
       body.second_moment += polar * (0.5 * Matrix3d::Identity() - beam.along * beam.along.transpose());
     }
     beam.spatial.push_back(e);
-    body.lines.push_back(ends);
-    area = std::max(area, element.section.area);
   }
-  complete_shape_integrals(body);
-  body.mass_matrix = body.S_modes[0][0] + body.S_modes[1][1] + body.S_modes[2][2];
-  body.damping = options.stiffness_damping * body.stiffness;
-  body.user_from_modal.setIdentity(body.modes, body.modes);
-  body.line_radius = std::sqrt(area / std::numbers::pi);
-  body.nodes = mesh.nodes;
+  complete_ancf_body(mesh, line, options, body);
   MatrixXd turns;
   add_nodes(line, numbers, axes, body, turns);
   add_ancf_frames(mesh, frames, turns, body);

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <random>
 
+#include "compile/flexible_data.h"
 #include "dynamics/elasticity.h"
 #include "math/once/decompositions.h"
 #include "mimbre/beam_reduction.h"
-#include "support/models.h"
 
 namespace mimbre::test::ancf_test {
 namespace {
@@ -39,26 +39,8 @@ FlexibleData free_element(double length, double damping = 0) {
   f.modes = f.amplitudes = f.stride = 8;
   AncfElement e;
   for (int k = 0; k < 8; ++k) e.amplitudes[static_cast<std::size_t>(k)] = k;
-  const auto clamped = fe::ancf_beam(line(2, 2 * length), {}, {});
-  // The second element of a line of two has no held amplitude: borrow what compile() makes of it.
-  const auto model = [&] {
-    spec::Model m;
-    m.gravity.setZero();
-    spec::Body body;
-    body.name = "beam";
-    body.flexible = std::make_shared<ReducedBody>(clamped);
-    m.bodies.push_back(body);
-    m.frames.push_back({"a", {}, spec::ground, {}, -1});
-    m.frames.push_back({"b", {}, 0, {}, -1});
-    spec::Joint joint;
-    joint.name = "root";
-    joint.type = spec::JointType::bracket;
-    joint.frame_a = 0;
-    joint.frame_b = 1;
-    m.joints.push_back(joint);
-    return Model::compile(m);
-  }();
-  AncfElement second = model->compiled().flexible[0].ancf[1];
+  // The second element of a line of two has no amplitude that is held at zero.
+  AncfElement second = flexible_data(fe::ancf_beam(line(2, 2 * length), {}, {})).ancf[1];
   second.amplitudes = e.amplitudes;
   f.ancf = {second};
   f.ancf_damping = damping;

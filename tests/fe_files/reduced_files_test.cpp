@@ -222,6 +222,14 @@ TEST(MbdynFem, SaysWhatIsWrong) {
   EXPECT_THROW(write_mbdyn_fem(cloud.body, "/nowhere/a.fem"), std::runtime_error);
 }
 
+TEST(ReducedFiles, HaveNoPlaceForAbsoluteNodalCoordinates) {
+  ReducedBody body = Cloud().body;
+  body.ancf.emplace();
+  Folder folder;
+  EXPECT_THROW(write_mbdyn_fem(body, folder.path("a.fem")), std::invalid_argument);
+  EXPECT_THROW(write_sid(body, folder.path("a.sid")), std::invalid_argument);
+}
+
 /// Record group 19 by its index: products of angular velocity, angular acceleration, acceleration.
 TEST(MbdynFem, StiffeningHasTheOrderOfTheFormat) {
   ReducedBody body = Cloud().body;

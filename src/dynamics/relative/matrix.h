@@ -27,14 +27,9 @@ void rotate_rows(const Mat3<T>& A, const R* rows, int stride, T* out) {
 /// Angular velocity of the frame by unit rates of the amplitudes: three padded rows, turned by A.
 template <class T>
 void turn_rows(const FrameData& f, const T* y, const Mat3<T>& A, int stride, T* out) {
-  if (f.turn != FrameTurn::section)
-    return rotate_rows<T>(A * turn_jacobian<T>(f, Vec3<T>(times(f.X_theta, y))), f.X_theta.data(), stride,
-                          out);
-  for (int k = 0; k < 3 * stride; ++k) out[k] = T(0);
-  const Eigen::Matrix<T, 3, 6> turns = A * section_turns(f, y);
-  for (int k = 0; k < 6; ++k)
-    if (const int at = f.directions[static_cast<std::size_t>(k)]; at >= 0)
-      for (int r = 0; r < 3; ++r) out[r * stride + at] = turns(r, k);
+  if (f.turn != FrameTurn::exponential) return other_turn_rows(f, y, A, stride, out);
+  const Vec3<T> theta = times(f.X_theta, y);
+  rotate_rows<T>(A * left_jacobian<T>(theta), f.X_theta.data(), stride, out);
 }
 
 /// out += p × columns of three padded rows.

@@ -55,6 +55,9 @@ void write_stiffening(OutputFile& out, const FrameForceStiffness& stiffening) {
 }  // namespace
 
 void write_mbdyn_fem(const ReducedBody& body, const std::string& path) {
+  if (body.ancf)
+    throw std::invalid_argument(
+        "a beam by absolute nodal coordinates is not linear and has no place in .fem");
   if (body.frames.empty())
     throw std::invalid_argument("a body without frames cannot be written as .fem: its nodes are the frames");
   const int n = body.modes;

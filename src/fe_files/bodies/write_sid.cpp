@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <stdexcept>
 
 #include "fe_files/bodies/cross_integrals.h"
 #include "fe_files/bodies/frame_force_stiffness.h"
@@ -237,6 +238,10 @@ class Writer {
 
 }  // namespace
 
-void write_sid(const ReducedBody& body, const std::string& path) { Writer(body, path).write(); }
+void write_sid(const ReducedBody& body, const std::string& path) {
+  if (body.ancf)
+    throw std::invalid_argument("a beam by absolute nodal coordinates is not linear and has no place in SID");
+  Writer(body, path).write();
+}
 
 }  // namespace mimbre::fe
