@@ -128,6 +128,12 @@ class BlockFactor {
   FactorStatus factor() noexcept;
   /// x ← A⁻¹ x, x in the caller's order.
   void solve(T* x) const noexcept;
+  /// Calls visit(x) for each number x of the factorisation, which is another's when all are replaced by its.
+  template <class Visit>
+  void transfer(Visit& visit) {
+    for (T& x : values_) visit(x);
+    for (T& x : inverse_) visit(x);
+  }
 
  private:
   using Array = std::vector<T, CacheAligned<T>>;

@@ -4,15 +4,17 @@
 
 namespace mimbre::relative {
 
-ElementTangents::ElementTangents(const Compiled& m, std::size_t values) : values_(values) {
-  for (const FlexibleData& f : m.flexible) possible_ = possible_ && !f.absolute();
+ElementTangents::ElementTangents(const Compiled& m, std::size_t values) {
   std::size_t count = 0;
   for (const ElementData& e : m.elements) {
     possible_ = possible_ && !e.pooled;
     first_.push_back(count);
     if (e.marked) count += static_cast<std::size_t>(e.count * e.count);
   }
+  for (const FlexibleData& f : m.flexible) possible_ = possible_ && !f.absolute();
+  possible_ = possible_ && count > 0;
   if (!possible_) return;
+  values_.resize(values);
   tangents_.assign(count, 0.0);
 }
 
@@ -35,6 +37,7 @@ void ElementTangents::keep(std::size_t element, const ElementState<double>& stat
 }
 
 void ElementTangents::assembled(const double* values) {
+  if (!possible_) return;
   std::copy_n(values, values_.size(), values_.begin());
 }
 

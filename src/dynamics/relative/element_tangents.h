@@ -23,10 +23,9 @@ class ElementTangents {
   template <class Marked>
   void exchange(const Compiled& m, Workspace<double>& w, const MatrixWeights& weights, double* values,
                 Marked&& marked);
-  /// The values with the tangents that were exchanged last.
-  const std::vector<double>& matrix() const { return values_; }
   void transfer(StateTransfer& transfer) { transfer(values_, tangents_); }
-  /// Whether tangents can be exchanged: not with tangents that are no elements'.
+  /// Whether tangents can be exchanged: some element is marked, and there are none of the absolute
+  /// coordinates of beams or of pools. Else nothing is kept.
   bool possible() const { return possible_; }
 
  private:

@@ -210,12 +210,11 @@ void RelativeSystem::transfer_matrix(StateTransfer& transfer) {
     return;
   }
   tangents_.transfer(transfer);
+  factor_.transfer(transfer);
   for (double& x : work_.jacobian) transfer(x);
   if (!transfer.restoring()) return;
   ++matrices_;
   by_bodies_ = false;
-  std::copy(tangents_.matrix().begin(), tangents_.matrix().end(), factor_.values());
-  factor_.factor();
 }
 
 void RelativeSystem::solve(double* x) const {
