@@ -67,6 +67,13 @@ class System {
     return factor(q, {0, 0, penalty});
   }
   virtual void solve(double* x) const = 0;
+  /// Where the factorisation has the forces of the constraints as unknowns: x ← −A⁻¹ (scale·x +
+  /// penalty·Φzᵀ α φ) and moved ← Φz x, with the penalty of the matrix. α (φ + Φz x) then has all digits,
+  /// which solve() loses there as the penalty grows. False: it has not, and nothing is done.
+  virtual bool solve_with_constraint_forces(double /*scale*/, double /*penalty*/, const double* /*phi*/,
+                                            double* /*x*/, double* /*moved*/) const {
+    return false;
+  }
   /// Assembles as factor() does, but only copies the matrix: velocities × velocities, both triangles,
   /// column-major. For formalisms that are not made for speed; solve() must not follow, Jacobian products
   /// may.

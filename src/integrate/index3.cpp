@@ -76,12 +76,14 @@ void IndexThree::project(double* target, const double* violation, double toleran
   const double* alpha = system_.penalty();
   std::copy(violation, violation + m, g_.data());
   for (int round = 0; round < most_projections && scales_.of_equations(g_.data()) > tolerance; ++round) {
-    for (int k = 0; k < m; ++k) impulse_[k] = alpha[k] * g_[k];
     r_.setZero();
-    system_.add_jacobian_transposed(impulse_.data(), -weights_.penalty, r_.data());
-    system_.solve(r_.data());
+    if (!system_.solve_with_constraint_forces(1, weights_.penalty, g_.data(), r_.data(), impulse_.data())) {
+      for (int k = 0; k < m; ++k) impulse_[k] = alpha[k] * g_[k];
+      system_.add_jacobian_transposed(impulse_.data(), -weights_.penalty, r_.data());
+      system_.solve(r_.data());
+      system_.jacobian_times(r_.data(), impulse_.data());
+    }
     for (int k = 0; k < n; ++k) target[k] += r_[k];
-    system_.jacobian_times(r_.data(), impulse_.data());
     for (int k = 0; k < m; ++k) {
       g_[k] += impulse_[k];
       force_[k] += weights_.penalty * alpha[k] * g_[k];
@@ -193,10 +195,14 @@ void IndexThree::pause_keeping() {
 
 void IndexThree::transfer_matrix(StateTransfer& transfer) {
   if (!keeps_) return;
-  transfer(kept_, kept_corrections_, uses_, pause_, waits_, kept_weights_.damping, kept_weights_.stiffness,
+  // Where another matrix has been made since, there is none to go on with.
+  bool kept = kept_ && kept_matrix_ == system_.matrices();
+  transfer(kept, kept_corrections_, uses_, pause_, waits_, kept_weights_.damping, kept_weights_.stiffness,
            kept_weights_.penalty);
   system_.transfer_matrix(transfer);
-  if (transfer.restoring()) kept_matrix_ = system_.matrices();
+  if (!transfer.restoring()) return;
+  kept_ = kept;
+  kept_matrix_ = system_.matrices();
 }
 
 /// Where the iterations begin.
@@ -267,10 +273,23 @@ bool IndexThree::fail(Attempt& t, StepCode code, int coordinate) {
   return false;
 }
 
-/// δ, into r_: f δ = −βh² (M z̈ + Φzᵀ λ − Q + Φzᵀ α Φ). The penalty's force has the Jacobian of the factorised
-/// matrix, so that an old matrix still leads to Φ = 0. impulse_: Φz δ.
-bool IndexThree::find_correction(Attempt& t) {
+/// δ, into r_: f δ = −βh² (M z̈ + Φzᵀ λ − Q + Φzᵀ α Φ), of which r_ has all but the last. The penalty's force
+/// has the Jacobian of the factorised matrix, so that an old matrix still leads to Φ = 0. impulse_: Φz δ.
+void IndexThree::solve_for_correction(const double* phi) {
   const int n = system_.velocities(), m = system_.equations();
+  if (system_.solve_with_constraint_forces(motion_.scale, weights_.penalty, phi, r_.data(), impulse_.data()))
+    return;
+  const double penalty_factor = weights_.penalty / motion_.scale;
+  const double* alpha = system_.penalty();
+  for (int k = 0; k < m; ++k) impulse_[k] = penalty_factor * alpha[k] * phi[k];
+  system_.add_jacobian_transposed(impulse_.data(), 1, r_.data());
+  for (int k = 0; k < n; ++k) r_[k] *= -motion_.scale;
+  system_.solve(r_.data());
+  system_.jacobian_times(r_.data(), impulse_.data());
+}
+
+bool IndexThree::find_correction(Attempt& t) {
+  const int n = system_.velocities();
   t.refactored = t.precise || t.newton.refactor;
   t.assembled = t.assembled || t.refactored;
   if (t.refactored || system_.tangent_changed(motion_.q.data(), weights_)) {
@@ -284,13 +303,7 @@ bool IndexThree::find_correction(Attempt& t) {
       return fail(t, finite ? StepCode::singular : StepCode::not_finite, f.unknown);
     }
   }
-  const double penalty_factor = weights_.penalty / motion_.scale;
-  const double *alpha = system_.penalty(), *phi = violation(t);
-  for (int k = 0; k < m; ++k) impulse_[k] = penalty_factor * alpha[k] * phi[k];
-  system_.add_jacobian_transposed(impulse_.data(), 1, r_.data());
-  for (int k = 0; k < n; ++k) r_[k] *= -motion_.scale;
-  system_.solve(r_.data());
-  system_.jacobian_times(r_.data(), impulse_.data());
+  solve_for_correction(violation(t));
   t.status.correction = scales_.of_coordinates(r_.data(), &t.status.coordinate);
   return true;
 }

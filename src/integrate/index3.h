@@ -70,6 +70,7 @@ class IndexThree final : public Stepper {
   bool replace_prediction(const State& state, const Attempt& t);
   bool fail(Attempt& t, StepCode code, int coordinate);
   bool find_correction(Attempt& t);
+  void solve_for_correction(const double* phi);
   void update_multipliers(Attempt& t, int iteration);
   bool apply_correction(Attempt& t);
   // Where the step ends (step_end.cpp).

@@ -57,6 +57,11 @@ class ProfiledSystem final : public System {
     const Timer timer(seconds_.solution);
     system_.solve(x);
   }
+  bool solve_with_constraint_forces(double scale, double penalty, const double* phi, double* x,
+                                    double* moved) const override {
+    const Timer timer(seconds_.solution);
+    return system_.solve_with_constraint_forces(scale, penalty, phi, x, moved);
+  }
   void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override {
     const Timer timer(seconds_.matrix);
     system_.dense_matrix(q, weights, out);

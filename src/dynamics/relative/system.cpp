@@ -223,6 +223,18 @@ void RelativeSystem::solve(double* x) const {
   couplings_.solve(x, [this](double* y) { factor_.solve(y); });
 }
 
+bool RelativeSystem::solve_with_constraint_forces(double scale, double penalty, const double* phi, double* x,
+                                                  double* moved) const {
+  if (!transfer_) return false;
+  const double* alpha = penalty_.data();
+  for (int k = 0; k < model_.velocities; ++k) x[k] *= -scale;
+  for (const DriveData& d : model_.drives) x[d.v] -= penalty * alpha[d.equation] * phi[d.equation];
+  transfer_->solve_with_forces(model_, work_, penalty, alpha, phi, x);
+  jacobian_times(x, moved);
+  transfer_->moved(penalty, alpha, phi, moved);
+  return true;
+}
+
 void RelativeSystem::dense_matrix(const double* q, const MatrixWeights& weights, double* out) {
   if (always_by_bodies_) {
     ++matrices_;

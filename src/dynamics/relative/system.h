@@ -43,6 +43,8 @@ class RelativeSystem final : public System {
   linalg::FactorStatus factor_tangents(const double* q, const MatrixWeights& weights) override;
   linalg::FactorStatus factor_inertia(const double* q, double penalty) override;
   void solve(double* x) const override;
+  bool solve_with_constraint_forces(double scale, double penalty, const double* phi, double* x,
+                                    double* moved) const override;
   void dense_matrix(const double* q, const MatrixWeights& weights, double* out) override;
   const linalg::BlockSymbolic& pattern() const override { return model_.symbolic; }
   void matrix_values(const double* q, const MatrixWeights& weights, double* values) override;

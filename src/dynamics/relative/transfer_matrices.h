@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <cstddef>
 #include <type_traits>
 #include <vector>
@@ -47,6 +48,12 @@ class TransferMatrices {
              const double* penalty, Marks marks);
   /// x ← (the factorised matrix)⁻¹ x.
   void solve(const Compiled& m, const Workspace<T>& w, T* x);
+  /// x ← A⁻¹ (x − penalty·Φzᵀ α φ), without drives. α φ is no force on the bodies, which the penalty would
+  /// make large: with ψ = Lᵀ (φ + Φz x), L Lᵀ the penalties, it belongs to the equation of ψ.
+  void solve_with_forces(const Compiled& m, const Workspace<T>& w, double penalty, const double* alpha,
+                         const double* phi, T* x);
+  /// Φz x of those equations that couple bodies, by the forces ψ of solve_with_forces().
+  void moved(double penalty, const double* alpha, const double* phi, double* out) const;
   /// The factors, to save and restore.
   void transfer(StateTransfer& transfer) { transfer(couplings_, pivots_); }
 
@@ -69,6 +76,14 @@ class TransferMatrices {
   int eliminate_node(const Compiled& m, Workspace<T>& w, const T* q, std::size_t i, Size size);
   void add_motion_to_parent(const Compiled& m, const Workspace<T>& w, std::size_t i);
   void add_forces_to_parent(const Compiled& m, const Workspace<T>& w, std::size_t i);
+  /// With the right-hand sides of forces in `unknowns_`.
+  void eliminate_and_spread(const Compiled& m, const Workspace<T>& w, T* x);
+  /// ψ of coupled rows among the unknowns.
+  std::size_t place_of(const CoupledRows& r, int k) const {
+    return places_[static_cast<std::size_t>(r.node)].unknown + static_cast<std::size_t>(r.unknown + k);
+  }
+  T& force(const CoupledRows& r, int k) { return unknowns_[place_of(r, k)]; }
+  const T& force(const CoupledRows& r, int k) const { return unknowns_[place_of(r, k)]; }
   void gather(const Compiled& m, const Workspace<T>& w, std::size_t i);
   void spread(const Compiled& m, const Workspace<T>& w, std::size_t i);
   const T* carrier_subspace(const Compiled& m, const Workspace<T>& w, std::size_t i, int& stride) const;
@@ -351,6 +366,37 @@ void TransferMatrices<T>::spread(const Compiled& m, const Workspace<T>& w, std::
 template <class T>
 void TransferMatrices<T>::solve(const Compiled& m, const Workspace<T>& w, T* x) {
   std::fill(unknowns_.begin(), unknowns_.end(), T(0));
+  eliminate_and_spread(m, w, x);
+}
+
+template <class T>
+void TransferMatrices<T>::solve_with_forces(const Compiled& m, const Workspace<T>& w, double penalty,
+                                            const double* alpha, const double* phi, T* x) {
+  std::fill(unknowns_.begin(), unknowns_.end(), T(0));
+  for (const CoupledRows& r : plan_.rows)
+    for (int k = 0; r.equation >= 0 && k < r.count; ++k) {
+      const int e = r.equation + k;
+      if (r.unknown >= 0) {
+        force(r, k) = -std::sqrt(penalty * alpha[e]) * phi[e];
+        continue;
+      }
+      const T weighted = -penalty * alpha[e] * phi[e];
+      add_rows_transposed<1>(*r.path, w.jacobian.data() + r.jacobian + k * r.path->width, &weighted, x);
+    }
+  eliminate_and_spread(m, w, x);
+}
+
+template <class T>
+void TransferMatrices<T>::moved(double penalty, const double* alpha, const double* phi, double* out) const {
+  for (const CoupledRows& r : plan_.rows)
+    for (int k = 0; r.equation >= 0 && r.unknown >= 0 && k < r.count; ++k) {
+      const int e = r.equation + k;
+      if (const double root = std::sqrt(penalty * alpha[e]); root > 0) out[e] = force(r, k) / root - phi[e];
+    }
+}
+
+template <class T>
+void TransferMatrices<T>::eliminate_and_spread(const Compiled& m, const Workspace<T>& w, T* x) {
   std::fill(halves_.begin(), halves_.end(), T(0));
   const std::size_t bodies = m.bodies.size();
   for (std::size_t i = 0; i < bodies; ++i)

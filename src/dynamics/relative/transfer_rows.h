@@ -56,17 +56,20 @@ template <class T>
 void scale_rows(const Compiled& m, Workspace<T>& w, const CoupledRows& r, const MatrixWeights& weights,
                 const double* penalty, T* scaled, T* signs) {
   const int n = r.count, width = r.path->width;
-  T W[36], root[36];
-  std::fill_n(W, n * n, T(0));
-  if (r.element >= 0) {
-    const ElementData& e = m.elements[r.element];
-    tangent_of(w, e, element_state(e, w.elements.data()), weights, W);
-  } else {
-    for (int k = 0; k < n; ++k) W[k * n + k] = T(weights.penalty * penalty[r.equation + k]);
+  const T* rows = w.jacobian.data() + r.jacobian;
+  if (r.element < 0) {
+    for (int k = 0; k < n; ++k) {
+      const T root = std::sqrt(weights.penalty * penalty[r.equation + k]);
+      signs[k] = T(1);
+      for (int i = 0; i < width; ++i) scaled[k * width + i] = root * rows[k * width + i];
+    }
+    return;
   }
+  T W[36], root[36];
+  const ElementData& e = m.elements[r.element];
+  tangent_of(w, e, element_state(e, w.elements.data()), weights, W);
   signed_root(n, W, root, signs);
   std::fill_n(scaled, n * width, T(0));
-  const T* rows = w.jacobian.data() + r.jacobian;
   for (int k = 0; k < n; ++k)
     for (int c = 0; c < n; ++c) {
       const T factor = root[c * n + k];

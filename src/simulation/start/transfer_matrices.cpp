@@ -13,8 +13,8 @@ void refuse_transfer_matrices(const Compiled& model, const Method& method) {
   const Mark where{model.spec().file, 0, 0};
   if (method.formulation == Simulation::Formulation::natural)
     throw InputError(where,
-                     "formalism transfer_matrices: goes along joints, which natural coordinates do "
-                     "not have; use formulation: relative");
+                     "formalism transfer_matrices: solves joint by joint, and natural coordinates "
+                     "have no joint coordinates; use formulation: relative");
   for (const ElementData& e : model.elements)
     if (e.pooled)
       throw InputError(where,
