@@ -56,9 +56,10 @@ struct CampbellDiagram {
 /// on as j where |wᵢᴴ xⱼ| |wⱼᴴ xᵢ|, w and x left and right eigenvectors, is near 1 and all others are small.
 /// Where it is not so, values between them are taken, as many as it needs: crossings and veerings are
 /// followed through. Among equal eigenvalues shapes are those that go on. Criticals and onsets are found
-/// between values to 1e-6; growth between two values that both show none is found where the damping of three
-/// values points to it, and where modes meet. Throws std::invalid_argument, and
-/// what `modes` throws.
+/// between values to 1e-6. A mode that grows only between two values is found where the damping of three
+/// values points to it, and where modes meet. Values are those of the ground; of a rotor that is not round,
+/// whose modes have two frequencies there, all are those of axes that turn with it, and a warning states so.
+/// Throws std::invalid_argument, and what `modes` throws.
 CampbellDiagram campbell(const ModesAt& modes, const std::vector<double>& values,
                          const CampbellOptions& options = {});
 

@@ -197,6 +197,66 @@ TEST(Campbell, FindsWhereModesGrowThatAreNotDamped) {
   EXPECT_NEAR(d.onsets[0].frequency, std::sqrt(1.5), 1e-4);
 }
 
+/// A pendulum that a spring holds upright falls where k < m g l, wherever the values are: at that of the
+/// onset the mode has no frequency, and at halves that fall on it.
+TEST(Campbell, FindsWhereAPendulumStandsUpright) {
+  const auto model = [](double k) {
+    ModesOptions options;
+    options.linear.point.at = LinearPoint::At::start;
+    return find_modes(
+        model_of(fmt::format(
+            "gravity: [0, 0, -9.81]\nbodies:\n  p: {{mass: 1, com: [0, 0, 1], inertia: [0.01, 0.01, 0.01]}}\n"
+            "joints:\n  j: {{type: revolute, between: [ground, p], at: [0, 0, 0], axis: [0, 1, 0], "
+            "spring: {{stiffness: {:.17g}, damping: 0.5}}}}\n",
+            k)),
+        options);
+  };
+  CampbellOptions options;
+  options.rad_per_second = 0;
+  for (const std::vector<double>& values : std::vector<std::vector<double>>{
+           {5, 9, 13}, {8.81, 10.81}, {8.81, 9.81, 10.81}, {9.31, 9.51, 9.81, 10.31}, {9.81, 10, 11}}) {
+    const CampbellDiagram d = campbell(model, values, options);
+    if (values[0] == 9.81) {
+      EXPECT_TRUE(d.onsets.empty());
+      continue;
+    }
+    ASSERT_EQ(d.onsets.size(), 1u) << values[0] << ' ' << values.size();
+    EXPECT_FALSE(d.onsets[0].grows);
+    EXPECT_NEAR(d.onsets[0].value, 9.81, 1e-5);
+  }
+}
+
+/// The ground sees two frequencies of each mode of a rotor that is not round. All are listed as in the axes
+/// that turn with it: for the translation (k − m Ω² − m λ²)² … = 0, λ = ±i (√(k/m) ± Ω) where the centre of
+/// mass has no part in the tilting.
+TEST(Campbell, ListsRotorsThatAreNotRoundInTheirOwnAxes) {
+  const auto model = [](double w) {
+    ModesOptions options;
+    options.linear.point.at = LinearPoint::At::steady;
+    return find_modes(
+        model_of(fmt::format(
+            "gravity: [0, 0, 0]\nbodies:\n  rotor: {{mass: 10, com: [0, 0, 0], inertia: [0.1, 0.2, 0.26]}}\n"
+            "joints:\n  free: {{type: floating, between: [ground, rotor], at: [0, 0, 0], velocity: [0, 0, 0, "
+            "{:.17g}, 0, 0]}}\nbushings:\n"
+            "  left: {{between: [ground, rotor], at: [-0.2, 0, 0], stiffness: [9e7, 1e5, 1e5, 0, 0, 0]}}\n"
+            "  right: {{between: [ground, rotor], at: [0.2, 0, 0], stiffness: [0, 1e5, 1e5, 0, 0, 0]}}\n",
+            w)),
+        options);
+  };
+  const std::vector<double> values{20, 40, 60, 80};
+  const CampbellDiagram d = campbell(model, values, {});
+  EXPECT_TRUE(d.criticals.empty());
+  EXPECT_THAT(d.warnings, testing::Contains(testing::HasSubstr("not round")));
+  const double natural = std::sqrt(2e4);
+  for (std::size_t k = 0; k < values.size(); ++k)
+    for (const double expected : {natural - values[k], natural + values[k]}) {
+      double nearest = 1e9;
+      for (const ModeBranch& b : d.branches)
+        nearest = std::min(nearest, std::abs(b.values[k].imag() - expected));
+      EXPECT_LT(nearest, 1e-5 * expected) << values[k];
+    }
+}
+
 /// Two modes that cross on straight lines: the place is found by these, not by halves (16 of which it would
 /// take to come as near).
 TEST(Campbell, FindsCrossingsWithFewEvaluations) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -30,7 +31,7 @@ constexpr double near_enough = 1e-6;
 constexpr double apart_from_standing = 1e-4;
 constexpr int most_rounds = 60;
 
-/// The modes at one value, in the order of the branches; -1: a branch that is not there.
+/// The modes at one value, and the branch that each belongs to.
 struct Stand {
   double value = 0;
   std::vector<Mode> modes;
@@ -106,6 +107,7 @@ class Tracking {
       out_.branches[b].values.resize(values.size(), nowhere());
       out_.branches[b].whirl.resize(values.size(), 0);
     }
+    if (two_frequencies_) show_turning_axes();
     leave_out_neighbours();
     number_names();
     sort_found();
@@ -129,19 +131,23 @@ class Tracking {
             found.turning > 0};
   }
 
-  /// At a critical speed a mode stands still in axes that turn, where it cannot be told from a rigid motion:
-  /// it is taken a little beside it.
+  /// Modes that stand still; in axes that turn at a critical speed, and else where λ passes zero.
+  static std::ptrdiff_t standing(const Stand& s) {
+    return std::count_if(s.modes.begin(), s.modes.end(), [&](const Mode& m) {
+      return s.turning ? m.kind != Mode::Kind::oscillating : m.kind == Mode::Kind::rigid;
+    });
+  }
+
+  /// Where a mode stands still that does not do so beside it, it cannot be told from a rigid motion: it is
+  /// taken a little beside that value.
   Stand evaluate(double value) {
     Stand at = evaluate_once(value);
-    const auto standing = [](const Stand& s) {
-      return std::count_if(s.modes.begin(), s.modes.end(),
-                           [](const Mode& m) { return m.kind != Mode::Kind::oscillating; });
-    };
-    if (!at.turning) return at;
-    if (standing_ >= 0 && standing(at) > standing_)
+    const std::ptrdiff_t now = standing(at), usual = standing_ < 0 ? now - 1 : standing_;
+    const double size = std::max(std::abs(value), std::abs(step_));
+    if (now > 0 && now > usual)
       for (const double beside : {1e-7, 1e-6, 1e-5}) {
-        Stand next = evaluate_once(value * (1 + beside));
-        if (standing(next) > standing_) continue;
+        Stand next = evaluate_once(value + beside * size);
+        if (standing(next) > usual) continue;
         at = std::move(next);
         break;
       }
@@ -149,8 +155,21 @@ class Tracking {
     return at;
   }
 
+  /// Warnings that differ in their numbers alone are one.
   void warn(const std::string& text) {
-    if (std::find(out_.warnings.begin(), out_.warnings.end(), text) == out_.warnings.end() &&
+    const auto words = [](const std::string& t) {
+      std::string out;
+      char last = ' ';
+      for (const char c : t) {
+        const bool digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
+        const bool of_number = digit || c == '.' || c == '-' || c == '+' || (c == 'e' && last == '0');
+        if (!of_number) out += c;
+        last = digit || (c == '.' && last == '0') ? '0' : c;
+      }
+      return out;
+    };
+    if (std::none_of(out_.warnings.begin(), out_.warnings.end(),
+                     [&](const std::string& w) { return words(w) == words(text); }) &&
         out_.warnings.size() < 20)
       out_.warnings.push_back(text);
   }
@@ -158,7 +177,23 @@ class Tracking {
   int open(const Mode& mode) {
     out_.branches.push_back({mode.text, {}, {}});
     followed_.push_back(false);
+    turning_.emplace_back();
     return static_cast<int>(out_.branches.size()) - 1;
+  }
+
+  /// Of a rotor that is not round: the ground sees two frequencies of a mode, so that all are listed as in
+  /// the axes that turn with it.
+  void show_turning_axes() {
+    for (std::size_t b = 0; b < out_.branches.size(); ++b) {
+      turning_[b].resize(out_.values.size(), nowhere());
+      out_.branches[b].values = turning_[b];
+    }
+    out_.criticals.clear();
+    warn(
+        "modes of a rotor that is not round have two frequencies from the ground: listed are those in axes "
+        "that "
+        "turn with it, in which a mode stands still (0 rad/s) at a critical speed; critical speeds are not "
+        "sought");
   }
 
   /// Branches that are nowhere among the lowest.
@@ -186,6 +221,11 @@ class Tracking {
       b.whirl.resize(k + 1, 0);
       b.values[k] = at.modes[i].seen();
       b.whirl[k] = at.modes[i].whirl;
+      std::vector<std::complex<double>>& turning = turning_[static_cast<std::size_t>(at.branch[i])];
+      turning.resize(k + 1, nowhere());
+      turning[k] = at.modes[i].value;
+      two_frequencies_ = two_frequencies_ || (at.turning && at.modes[i].kind == Mode::Kind::oscillating &&
+                                              !seen_from_ground(at.modes[i]));
       if (b.name.empty()) b.name = at.modes[i].text;
       if (i < most_) followed_[static_cast<std::size_t>(at.branch[i])] = true;
     }
@@ -400,14 +440,16 @@ class Tracking {
     Samples samples{{low.value, low.f}, {high.value, high.f}};
     if (std::abs(low.f) < std::abs(high.f)) std::swap(samples[0], samples[1]);
     double place = samples[1].first, off = apart;
+    bool found = false;
     for (int round = 0; round < most_rounds && out_.evaluations < options_.most_evaluations; ++round) {
       const double width = high.value - low.value, size = std::max(std::abs(low.value), std::abs(high.value)),
                    before = apart > 0 ? place : samples.back().first;
       place = by_halves ? low.value + 0.5 * width : zero_of(samples);
       if (!(place >= low.value - 10 * apart * size && place <= high.value + 10 * apart * size))
         place = low.value + 0.5 * width;
-      if (width <= 1e-3 * near_enough * size) break;
-      if (!by_halves && std::abs(place - before) <= near_enough * size && (apart == 0 || round >= 3)) break;
+      found = width <= 1e-3 * near_enough * size ||
+              (!by_halves && std::abs(place - before) <= near_enough * size && (apart == 0 || round >= 3));
+      if (found) break;
       std::optional<Place> here;
       const double towards = high.value - place > place - low.value ? 1 : -1;
       // Where λ cannot be told there, a little beside it.
@@ -424,6 +466,9 @@ class Tracking {
       samples.emplace_back(here->value, here->f);
       if (here->value > low.value && here->value < high.value) ((here->f > 0) == rises ? high : low) = *here;
     }
+    if (!found && high.value - low.value > near_enough * std::abs(place))
+      warn(fmt::format("what is found at {} = {:.6g} is known only to lie between {:.6g} and {:.6g}",
+                       options_.parameter, place, low.value, high.value));
     return place;
   }
 
@@ -520,12 +565,14 @@ class Tracking {
   }
   const ModesAt& modes_;
   const CampbellOptions& options_;
-  const std::size_t most_;        ///< of the modes at one value, in their order
-  std::vector<bool> followed_;    ///< by branch: it is somewhere among them
-  double step_ = 0;               ///< of the values, where it is now
-  std::ptrdiff_t standing_ = -1;  ///< modes that do not oscillate, where the whole turns; −1: not known
-  Stand before_;                  ///< the one before the interval that is looked at
-  std::vector<std::optional<Place>> oscillated_;  ///< by branch: where it last did
+  const std::size_t most_;                                  ///< of the modes at one value, in their order
+  std::vector<bool> followed_;                              ///< by branch: it is somewhere among them
+  std::vector<std::vector<std::complex<double>>> turning_;  ///< by branch: λ in axes that turn, by value
+  bool two_frequencies_ = false;                            ///< from the ground, of some mode
+  double step_ = 0;                                         ///< of the values, where it is now
+  std::ptrdiff_t standing_ = -1;                            ///< at the last value; −1: not known
+  Stand before_;                                            ///< the one before the interval that is looked at
+  std::vector<std::optional<Place>> oscillated_;            ///< by branch: where it last did
   CampbellDiagram out_;
 };
 
