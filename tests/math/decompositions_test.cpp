@@ -180,6 +180,33 @@ TEST(Decompositions, EigenvaluesThatTheMatrixShowsAreExact) {
     EXPECT_LT((left.col(k) - right.col(k)).norm(), 1e-15 * A.norm()) << pairs.values[k];
 }
 
+TEST(Decompositions, LeftVectorsAreTheInverseOfTheVectors) {
+  for (int n = 1; n <= 20; ++n) {
+    MatrixXd A(n, n);
+    for (int k = 0; k < n * n; ++k) A(k) = std::sin(7.0 * k * k + n);
+    const ComplexPairs pairs = general_eigen(A);
+    ASSERT_TRUE(pairs.ok);
+    const Eigen::MatrixXcd product = left_vectors(pairs) * pairs.vectors;
+    EXPECT_LT((product - Eigen::MatrixXcd::Identity(n, n)).norm(), 1e-10) << n;
+  }
+}
+
+/// Equal real eigenvalues come out as pairs with tiny imaginary parts, whose vectors are real.
+TEST(Decompositions, LeftVectorsOfEqualEigenvaluesAreFinite) {
+  int pairs_seen = 0;
+  for (int seed = 1; seed <= 300; ++seed) {
+    MatrixXd V(8, 8);
+    for (int k = 0; k < 64; ++k) V(k) = std::sin(7.0 * k * k + 0.3 * seed);
+    VectorXd values(8);
+    values << -3, -3, -3, -3, 1, 2, -5, 7;
+    const ComplexPairs pairs = general_eigen(V * values.asDiagonal() * inverse(V));
+    ASSERT_TRUE(pairs.ok);
+    pairs_seen += pairs.values.imag().cwiseAbs().maxCoeff() > 0 ? 1 : 0;
+    EXPECT_TRUE(left_vectors(pairs).allFinite()) << seed;
+  }
+  EXPECT_GT(pairs_seen, 100);
+}
+
 TEST(Decompositions, ColumnsAreOrderedByWhatTheyAdd) {
   MatrixXd A = MatrixXd::Zero(4, 4);
   A(0, 0) = 2;

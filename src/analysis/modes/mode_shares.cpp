@@ -39,11 +39,12 @@ std::string listed(const std::vector<ModeShare>& shares, std::size_t most) {
   return text;
 }
 
-double rigid_energy(const BodyData& b, const Motion<double>& motion) {
-  const Vec3d u = motion.rotation.transpose() * motion.velocity,
-              omega = motion.rotation.transpose() * motion.omega;
-  return 0.5 * b.mass * u.squaredNorm() + u.dot(omega.cross(b.first_moment)) +
-         0.5 * omega.dot(b.inertia * omega);
+/// Of a real matrix: complex products of matrices are slow.
+VectorXcd product(const Eigen::Ref<const MatrixXd>& A, const VectorXcd& x) {
+  VectorXcd out(A.rows());
+  out.real() = A * x.real();
+  out.imag() = A * x.imag();
+  return out;
 }
 
 }  // namespace
@@ -93,7 +94,6 @@ ModeShares::ModeShares(const Linearised& at)
       axis_ = body.omega / fastest;
     }
   if (at.turning > 0) axis_ = at.turning_axis;
-  for (const BodyData& b : m_.bodies) flexible_ = flexible_ || b.modes > 0;
 }
 
 ModeShares::Rates ModeShares::rates(const VectorXd& v) {
@@ -120,31 +120,10 @@ VectorXd ModeShares::body_energies(const VectorXcd& v) {
   const VectorXd zero = VectorXd::Zero(m_.velocities);
   VectorXd energy = VectorXd::Zero(std::ssize(m_.bodies));
   auto& w = system_.workspace();
-  const auto rest = [&](std::size_t but) {
-    for (std::size_t k = 0; k < m_.bodies.size(); ++k) {
-      if (k == but) continue;
-      w.bodies[k].velocity.setZero();
-      w.bodies[k].omega.setZero();
-    }
-  };
   for (const VectorXd& part : {VectorXd(v.real()), VectorXd(v.imag())}) {
     system_.kinematics(s.time, s.q.data(), part.data(), zero.data());
-    const std::vector<Motion<double>> all = w.bodies;
-    for (std::size_t i = 0; i < all.size(); ++i)
-      if (m_.bodies[i].modes == 0) energy[static_cast<Eigen::Index>(i)] += rigid_energy(m_.bodies[i], all[i]);
-    if (!flexible_) continue;
-    rest(all.size());
-    // What elements have is no body's.
-    const double others = kinetic_energy(m_, w, s.q.data(), zero.data());
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const BodyData& b = m_.bodies[i];
-      if (b.modes == 0) continue;
-      VectorXd own = zero;
-      own.segment(b.v, b.size()) = part.segment(b.v, b.size());
-      w.bodies[i] = all[i];
-      rest(i);
-      energy[static_cast<Eigen::Index>(i)] += kinetic_energy(m_, w, s.q.data(), own.data()) - others;
-    }
+    for (std::size_t i = 0; i < m_.bodies.size(); ++i)
+      energy[static_cast<Eigen::Index>(i)] += kinetic_energy(m_, w, i, s.q.data(), part.data());
   }
   return energy;
 }
@@ -306,7 +285,7 @@ VectorXcd ModeShares::momentum(const VectorXcd& v) {
 
 VectorXcd ModeShares::motion_of(const Mode& mode) const {
   const Reduced& r = at_.reduced;
-  return r.position.leftCols(r.A.cols()).cast<std::complex<double>>() * mode.shape;
+  return product(r.position.leftCols(r.A.cols()), mode.shape);
 }
 
 void ModeShares::see_from_ground(Mode& mode) { find_whirl(motion_of(mode), mode); }
@@ -315,7 +294,7 @@ void ModeShares::describe(Mode& mode, bool mixed) {
   const Reduced& r = at_.reduced;
   const auto states = r.A.cols();
   mode.motion = motion_of(mode);
-  const VectorXcd velocity = r.velocity.leftCols(states).cast<std::complex<double>>() * mode.shape;
+  const VectorXcd velocity = product(r.velocity.leftCols(states), mode.shape);
   // A rigid motion has no velocity of its own, unless it drifts; nor has one that only the turning axes see.
   const bool still =
       mode.kind == Mode::Kind::rigid || velocity.norm() <= 1e-6 * std::abs(mode.value) * mode.motion.norm();
@@ -323,8 +302,8 @@ void ModeShares::describe(Mode& mode, bool mixed) {
   const VectorXcd y = mode.shape.head(r.coordinates);
   // With rolling, K is not square: no energy goes by it.
   const bool square = r.coordinates == r.speeds;
-  describe(mode, moves, at_.derivatives.mass.cast<std::complex<double>>() * moves,
-           square ? 0.5 * std::real(y.dot(r.stiffness.cast<std::complex<double>>() * y)) : 0, mixed);
+  describe(mode, moves, product(at_.derivatives.mass, moves),
+           square ? 0.5 * std::real(y.dot(product(r.stiffness, y))) : 0, mixed);
   if (!square) mode.gravity = 0;
 }
 

@@ -55,7 +55,6 @@ class ModeShares {
   const Compiled& m_;
   relative::RelativeSystem system_;
   Eigen::VectorXd generalised_;
-  bool flexible_ = false;                       ///< some body is
   std::vector<std::vector<double>> stiffness_;  ///< of elements, at the point
   std::vector<Blades> blades_;
   std::vector<Vec3d>

@@ -209,7 +209,7 @@ std::vector<Mode> eigen_modes(const linear::Linearised& at, const Scales& scales
   std::vector<Mode> modes =
       rigid_modes(linear::echelon(scale.cwiseInverse().asDiagonal() * zeros.vectors), r.coordinates, scale);
   const ComplexPairs pairs = pairs_of(A);
-  const MatrixXcd left = complex_inverse(pairs.vectors);
+  const MatrixXcd left = left_vectors(pairs);
   const std::vector<Eigen::Index> order = order_of(pairs.values, 0, zeros.count);
   const double largest = order.empty() ? 0 : std::abs(pairs.values[order.back()]);
   for (const Eigen::Index k : order) {
@@ -234,7 +234,7 @@ std::vector<Mode> floquet_modes(const linear::Linearised& at, const VectorXd& sc
   std::vector<Mode> modes = rigid_modes(linear::echelon(zeros.vectors), coordinates, scale);
   for (Mode& mode : modes) mode.multiplier = 1;
   const ComplexPairs pairs = pairs_of(over);
-  const MatrixXcd left = complex_inverse(pairs.vectors);
+  const MatrixXcd left = left_vectors(pairs);
   const std::size_t rigid = modes.size();
   for (const Eigen::Index k : order_of(pairs.values, 1, zeros.count)) {
     const std::complex<double> multiplier = pairs.values[k];

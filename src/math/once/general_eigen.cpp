@@ -77,6 +77,28 @@ ComplexPairs general_eigen(const MatrixXd& A) {
   return {solver.eigenvalues(), vectors, true};
 }
 
+/// With [v, v̄] = [Re v, Im v] [1 1; i −i], of real matrices.
+Eigen::MatrixXcd left_vectors(const ComplexPairs& pairs) {
+  const Index n = pairs.values.size();
+  // By the vectors: nearly real eigenvalues have real ones.
+  const auto first_of_two = [&](Index k) { return k + 1 < n && !pairs.vectors.col(k).imag().isZero(0); };
+  MatrixXd parts(n, n);
+  for (Index k = 0; k < n; ++k) {
+    parts.col(k) = pairs.vectors.col(k).real();
+    if (first_of_two(k)) parts.col(k + 1) = pairs.vectors.col(k).imag(), ++k;
+  }
+  const MatrixXd inverse = parts.partialPivLu().inverse();
+  Eigen::MatrixXcd out = inverse.cast<std::complex<double>>();
+  for (Index k = 0; k < n; ++k) {
+    if (!first_of_two(k)) continue;
+    out.row(k).real() = inverse.row(k) / 2;
+    out.row(k).imag() = -inverse.row(k + 1) / 2;
+    out.row(k + 1) = out.row(k).conjugate();
+    ++k;
+  }
+  return out;
+}
+
 Eigen::MatrixXcd complex_inverse(const Eigen::MatrixXcd& A) { return A.partialPivLu().inverse(); }
 
 }  // namespace mimbre

@@ -13,7 +13,10 @@ struct ComplexPairs {
   bool ok = false;  ///< the iteration converged
 };
 ComplexPairs general_eigen(const Eigen::MatrixXd& A);
-/// A⁻¹; what is singular gives numbers that are not finite.
+/// The inverse of the matrix of vectors: its rows are left vectors. What is singular gives numbers that are
+/// not finite.
+Eigen::MatrixXcd left_vectors(const ComplexPairs& pairs);
+/// A⁻¹, likewise.
 Eigen::MatrixXcd complex_inverse(const Eigen::MatrixXcd& A);
 
 }  // namespace mimbre
