@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <utility>
 
 #include "integrate/initial.h"
@@ -24,6 +25,7 @@ constexpr double balanced_share = 1e-8;    ///< of forces that balance but for t
 constexpr double round_off_share = 1e-15;  ///< of the forces that a coordinate's scale causes, at once
 constexpr double negligible = 1e-9;        ///< of equations: what moves them by less moves nothing
 constexpr double light = 1e-9;             ///< of the largest inertia: what is lighter moves as readily
+constexpr int most_newton_steps = 12;
 
 /// τ in the mechanism's own times: at first, at least, at most, and from which on its steps are Newton's.
 constexpr double first_time = 0.2, least_time = 4e-3, longest_time = 400, newton_time = 4;
@@ -83,11 +85,15 @@ void judge_stability(const MatrixXd& K, const MatrixXd& mass, const MatrixXd& N,
   x.cwiseAbs().maxCoeff(&status.growing);
 }
 
-/// Implicit steps of time τ without velocities, longer as forces decrease. All vectors and matrices are along
-/// the scales of the coordinates.
+/// Implicit steps of time τ without velocities. All vectors and matrices are along the scales of the
+/// coordinates.
 class EquilibriumSearch {
  public:
   EquilibriumSearch(System& system, State& s);
+  /// Steps of the longest time, which are Newton's but for directions without stiffness, as long as the
+  /// matrix is positive definite and no step is too long to trust: then the equilibrium is the one nearby.
+  StaticsStatus newton(int most_steps);
+  /// Steps that are longer as forces decrease.
   /// `careful`: shorter steps after one that was too long; for friction that slides, which leaves directions
   /// without stiffness.
   StaticsStatus run(bool careful, int most_steps);
@@ -99,15 +105,39 @@ class EquilibriumSearch {
   /// The work that is not balanced by accelerations a, at q.
   VectorXd forces(const VectorXd& q, const VectorXd& a);
   MatrixXd mass_matrix(const VectorXd& without);
+  /// By central differences.
   MatrixXd tangent();
+  /// By differences from the forces r here: half the work, and as exact as steps need.
+  MatrixXd rough_tangent(const VectorXd& r);
   /// N of the motions x = N z that the constraints permit: Φz N = 0.
   MatrixXd permitted_motions();
+  /// Mass, units and the like at the start.
+  void begin();
+  /// Onto the constraints, and the forces that are left there with the multipliers that balance them best:
+  /// both are determined, even where equations are redundant.
+  struct Balance {
+    VectorXd forces;
+    double largest = 0, violation = 0;
+  };
+  Balance look(StaticsStatus& status);
+  /// Whether what is left is within what does no work, or within the round-off of the tangent K.
+  bool balances(const Balance& left, double round_off) const {
+    return left.largest <= std::max(balanced_share * units_.energy, round_off);
+  }
+  bool closes(const Balance& left) const { return left.violation < std::max(still, 10 * scales_.round_off); }
+  double round_off_of(const MatrixXd& K) const {
+    return n_ == 0 ? 0 : round_off_share * K.cwiseAbs().maxCoeff();
+  }
+  void move(const VectorXd& step);
 
   System& system_;
   State& s_;
   const Scales& scales_;
   const int n_, m_;
   const VectorXd zero_, scale_;
+  MatrixXd mass_;
+  Units units_;
+  VectorXd readiness_;  ///< to move back onto the constraints, by mass
 };
 
 EquilibriumSearch::EquilibriumSearch(System& system, State& s)
@@ -122,6 +152,7 @@ EquilibriumSearch::EquilibriumSearch(System& system, State& s)
   s.a.setZero(n_);
   s.algorithmic.setZero(n_);
   if (s.multipliers.size() != m_) s.multipliers.setZero(m_);
+  begin();
 }
 
 VectorXd EquilibriumSearch::forces(const VectorXd& q, const VectorXd& a) {
@@ -157,6 +188,18 @@ MatrixXd EquilibriumSearch::tangent() {
   return result;
 }
 
+MatrixXd EquilibriumSearch::rough_tangent(const VectorXd& r) {
+  MatrixXd result(n_, n_);
+  VectorXd q(system_.positions()), unit = zero_;
+  for (int k = 0; k < n_; ++k) {
+    unit[k] = difference * scale_[k];
+    system_.retract(s_.q.data(), unit.data(), q.data());
+    result.col(k) = (forces(q, zero_) - r) / difference;
+    unit[k] = 0;
+  }
+  return result;
+}
+
 MatrixXd EquilibriumSearch::permitted_motions() {
   if (m_ > 0) {
     const VectorXd rows = Eigen::Map<const VectorXd>(scales_.equations.data(), m_).cwiseInverse();
@@ -167,38 +210,79 @@ MatrixXd EquilibriumSearch::permitted_motions() {
   return MatrixXd::Identity(n_, n_);
 }
 
+void EquilibriumSearch::begin() {
+  system_.begin_step(s_.q.data());
+  const VectorXd r = forces(s_.q, zero_);
+  mass_ = mass_matrix(r);
+  units_ = units_of(system_, mass_, r);
+  const double heaviest = n_ > 0 ? mass_.diagonal().maxCoeff() : 0;
+  VectorXd lightness = VectorXd::Ones(n_);
+  if (heaviest > 0) lightness = (mass_.diagonal() / heaviest).cwiseMax(light).cwiseSqrt().cwiseInverse();
+  readiness_ = lightness.cwiseProduct(scale_);
+}
+
+EquilibriumSearch::Balance EquilibriumSearch::look(StaticsStatus& status) {
+  if (m_ > 0) {
+    close_positions(system_, s_.time, readiness_, s_.q, closing_rounds, negligible);
+    find_multipliers(system_, s_, negligible);
+  }
+  Balance out;
+  out.forces = forces(s_.q, zero_);
+  if (m_ > 0) {
+    out.violation = scales_.of_equations(system_.phi());
+    scales_.of_kinds(system_.phi(), status.position_violation, status.angle_violation);
+  }
+  if (n_ > 0) {
+    out.largest = out.forces.cwiseAbs().maxCoeff(&status.coordinate);
+    status.residual = out.largest / scale_[status.coordinate];
+  }
+  return out;
+}
+
+void EquilibriumSearch::move(const VectorXd& step) {
+  const VectorXd x = step.cwiseProduct(scale_);
+  system_.retract(s_.q.data(), x.data(), s_.q.data());
+}
+
+StaticsStatus EquilibriumSearch::newton(int most_steps) {
+  StaticsStatus status;
+  const double tau = longest_time / units_.pace;
+  double before = std::numeric_limits<double>::infinity(), round_off = 0;
+  for (; status.iterations < std::min(most_steps, most_newton_steps); ++status.iterations) {
+    const Balance left = look(status);
+    const double norm = left.forces.norm();
+    // A step after which more is left may have passed into another basin.
+    if (!std::isfinite(norm) || (norm > before && !balances(left, round_off))) return status;
+    before = norm;
+    const MatrixXd K = rough_tangent(left.forces), N = permitted_motions();
+    const MatrixXd along = N.transpose() * (K + mass_ / (tau * tau)) * N;
+    if (N.cols() > 0 && !is_positive_definite((along + along.transpose()) / 2)) return status;
+    VectorXd step = zero_;
+    if (N.cols() > 0) step = -N * solve(along, N.transpose() * left.forces);
+    const double longest = n_ == 0 ? 0 : step.cwiseAbs().maxCoeff();
+    if (!(longest <= furthest_step)) return status;
+    round_off = round_off_of(K);
+    if (balances(left, round_off) && longest < still && closes(left)) {
+      status.converged = true;
+      judge_stability(tangent(), mass_, N, units_, status);
+      return status;
+    }
+    move(step);
+  }
+  return status;
+}
+
 StaticsStatus EquilibriumSearch::run(bool careful, int most_steps) {
   StaticsStatus status;
-  system_.begin_step(s_.q.data());
-  VectorXd r = forces(s_.q, zero_);
-  const MatrixXd mass = mass_matrix(r);
-  const Units units = units_of(system_, mass, r);
-  // Back onto the constraints with the least motion by mass.
-  const double heaviest = n_ > 0 ? mass.diagonal().maxCoeff() : 0;
-  VectorXd lightness = VectorXd::Ones(n_);
-  if (heaviest > 0) lightness = (mass.diagonal() / heaviest).cwiseMax(light).cwiseSqrt().cwiseInverse();
-  const VectorXd readiness = lightness.cwiseProduct(scale_);
-  const double negligible_work = balanced_share * units.energy;
-  const double closed = std::max(still, 10 * scales_.round_off);
   double round_off = 0;  // of elastic forces
-  double tau = first_time / units.pace, previous = r.norm();
-  const double least = least_time / units.pace, most = longest_time / units.pace;
+  double tau = first_time / units_.pace, previous = forces(s_.q, zero_).norm();
+  const double least = least_time / units_.pace, most = longest_time / units_.pace;
   bool too_far = false;
   for (status.iterations = 0; status.iterations < most_steps; ++status.iterations) {
-    // Onto the constraints, and the multipliers that balance the forces best: both are determined, even where
-    // equations are redundant.
-    if (m_ > 0) {
-      close_positions(system_, s_.time, readiness, s_.q, closing_rounds, negligible);
-      find_multipliers(system_, s_, negligible);
-    }
-    r = forces(s_.q, zero_);
-    const double off = m_ == 0 ? 0.0 : scales_.of_equations(system_.phi());
-    if (m_ > 0) scales_.of_kinds(system_.phi(), status.position_violation, status.angle_violation);
-    const double norm = r.norm();
-    const double unbalanced = n_ == 0 ? 0 : r.cwiseAbs().maxCoeff(&status.coordinate);
-    if (n_ > 0) status.residual = unbalanced / scale_[status.coordinate];
+    const Balance left = look(status);
+    const double norm = left.forces.norm();
     if (!std::isfinite(norm)) return status;
-    const bool balanced = unbalanced <= std::max(negligible_work, round_off);
+    const bool balanced = balances(left, round_off);
     if (careful && too_far)
       tau = std::max(furthest_step * tau, least);
     else if (status.iterations > 0)
@@ -209,20 +293,20 @@ StaticsStatus EquilibriumSearch::run(bool careful, int most_steps) {
     previous = norm;
 
     const MatrixXd K = tangent(), N = permitted_motions();
-    round_off = n_ == 0 ? 0 : round_off_share * K.cwiseAbs().maxCoeff();
+    round_off = round_off_of(K);
     VectorXd step = zero_;
-    if (N.cols() > 0) step = -N * solve(N.transpose() * (K + mass / (tau * tau)) * N, N.transpose() * r);
+    if (N.cols() > 0)
+      step = -N * solve(N.transpose() * (K + mass_ / (tau * tau)) * N, N.transpose() * left.forces);
     if (!step.allFinite()) return status;
     const double largest = n_ == 0 ? 0 : step.cwiseAbs().maxCoeff();
-    if (tau * units.pace >= newton_time && balanced && largest < still && off < closed) {
+    if (tau * units_.pace >= newton_time && balanced && largest < still && closes(left)) {
       status.converged = true;
-      judge_stability(K, mass, N, units, status);
+      judge_stability(K, mass_, N, units_, status);
       break;
     }
     too_far = largest > furthest_step;
     if (too_far) step *= furthest_step / largest;
-    step = step.cwiseProduct(scale_).eval();
-    system_.retract(s_.q.data(), step.data(), s_.q.data());
+    move(step);
   }
   return status;
 }
@@ -230,8 +314,13 @@ StaticsStatus EquilibriumSearch::run(bool careful, int most_steps) {
 }  // namespace
 
 StaticsStatus find_equilibrium(System& system, State& s, int most_steps) {
+  EquilibriumSearch search(system, s);
   const State start = s;
-  const StaticsStatus status = EquilibriumSearch(system, s).run(false, most_steps);
+  const StaticsStatus near = search.newton(most_steps);
+  if (near.converged) return near;
+  s = start;
+  StaticsStatus status = search.run(false, most_steps);
+  status.iterations += near.iterations;
   if (status.converged) return status;
   State other = start;
   StaticsStatus next = EquilibriumSearch(system, other).run(true, most_steps);
