@@ -16,7 +16,7 @@ Rows padded(const Eigen::MatrixXd& m, int stride) {
 
 namespace {
 
-constexpr double third = 0.28867513459481287;  ///< √(1/12): from the middle to a point of Gauss's rule
+constexpr double gauss = 0.28867513459481287;  ///< √(1/12): from the middle to a point of Gauss's rule
 
 AncfElement ancf_element(const AncfBeam::Element& e) {
   AncfElement out;
@@ -32,7 +32,7 @@ AncfElement ancf_element(const AncfBeam::Element& e) {
   // As many strains as ways to deform: three points for stretching (Lobatto) and two for bending (Gauss) keep
   // the cubic axis from resisting bending by stretching it (Gerstmayr, Irschik 2008).
   out.axial = {point(0, e.axial / 6), point(0.5, e.axial * 4 / 6), point(1, e.axial / 6)};
-  out.bending = {point(0.5 - third, e.bending / 2), point(0.5 + third, e.bending / 2)};
+  out.bending = {point(0.5 - gauss, e.bending / 2), point(0.5 + gauss, e.bending / 2)};
   return out;
 }
 
@@ -65,7 +65,7 @@ AncfSpatialElement thick_element(const AncfBeam::SpatialElement& e) {
   // of the section.
   const std::array<double, 6> line{e.axial, e.shear_y, e.shear_z, e.torsion, e.bending_y, e.bending_z};
   const std::array<double, 6> section{e.axial, e.axial, e.section_shear, 0, 0, 0};
-  out.points = {point(0.5 - third, 0.5, line), point(0.5 + third, 0.5, line), point(0, 1.0 / 6, section),
+  out.points = {point(0.5 - gauss, 0.5, line), point(0.5 + gauss, 0.5, line), point(0, 1.0 / 6, section),
                 point(0.5, 4.0 / 6, section), point(1, 1.0 / 6, section)};
   return out;
 }

@@ -1,8 +1,8 @@
 #include "dynamics/other_turns.h"
 
-/// Over doubles in a unit of its own, which keeps them out of the way of the frames that turn by exp(θ~), and
-/// because they are full of cross products: GCC before 14 fuses these where it must not, unless it leaves a
-/// vectorisation out that all else needs (CMakeLists.txt).
+/// Over doubles in a unit of its own: so the code of frames that turn by exp(θ~) stays small, and this unit
+/// can be compiled without a vectorisation in which GCC before 14 fuses cross products against its options
+/// (CMakeLists.txt).
 namespace mimbre {
 
 Mat3<double> other_rotation(const FrameData& f, const double* y) { return other_rotation<double>(f, y); }

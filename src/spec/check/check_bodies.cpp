@@ -33,6 +33,8 @@ void check_spatial_ancf(const CheckedItem& item, const ReducedBody& body) {
     item.not_negative(what("axial"), e.axial);
     item.not_negative(what("bending_y"), e.bending_y);
     item.not_negative(what("bending_z"), e.bending_z);
+    if (beam.kind == AncfKind::cable && e.bending_y != e.bending_z)
+      item.error(what("bending_y and bending_z differ, but a cable bends alike in all directions"));
     item.not_negative(what("torsion"), e.torsion);
     item.not_negative(what("shear_y"), e.shear_y);
     item.not_negative(what("shear_z"), e.shear_z);
