@@ -2,10 +2,12 @@
 #include <complex>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "mimbre/linearise.h"
+#include "mimbre/mode_shapes.h"
 
 /// Modes of a mechanism about a point of its motion, and how they change with a parameter.
 namespace mimbre {
@@ -69,6 +71,7 @@ struct ModesOptions {
   LinearOptions linear;
   int most = 0;  ///< so many modes, of the lowest frequencies; 0: all
   ModesSolver solver = ModesSolver::automatic;
+  bool shapes = false;  ///< fill LinearisedModes::shapes, for pictures
 };
 
 struct LinearisedModes {
@@ -83,6 +86,7 @@ struct LinearisedModes {
   /// 2π/T: those given are the ones that the motion has on average. Shapes are those at the point.
   double period = 0;
   double turning = 0;  ///< Ω, rad/s, where the whole mechanism turns about one fixed axis (Mode::fixed); or 0
+  std::optional<MechanismShapes> shapes;  ///< the modes by body (ModesOptions::shapes)
   double cpu_seconds = 0;
 };
 

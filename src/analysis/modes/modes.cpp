@@ -10,6 +10,7 @@
 
 #include "analysis/linear_turning.h"
 #include "analysis/modes/blades.h"
+#include "analysis/modes/body_shapes.h"
 #include "analysis/modes/floquet.h"
 #include "analysis/modes/mode_shapes.h"
 #include "analysis/modes/mode_shares.h"
@@ -296,6 +297,7 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
                        "the sparse solver finds the lowest modes: give their number (--most)");
     std::string why;
     if (std::optional<LinearisedModes> sparse = linear::sparse_modes(located, most, why)) {
+      if (options.shapes) sparse->shapes = linear::body_shapes(located, sparse->modes);
       sparse->cpu_seconds = thread_cpu_seconds() - start;
       return std::move(*sparse);
     }
@@ -343,6 +345,7 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
     out.modes.resize(static_cast<std::size_t>(options.most));
   for (std::size_t k = 0; k < out.modes.size(); ++k) shares.describe(out.modes[k], mixed[k] != 0);
   out.turning = at.turning;
+  if (options.shapes) out.shapes = linear::body_shapes(at, out.modes);
   out.cpu_seconds = thread_cpu_seconds() - start;
   return out;
 }
