@@ -81,5 +81,56 @@ TEST_F(LinearCommands, RefusesAnUnknownFormat) {
   EXPECT_THAT(outcome.err, HasSubstr(".h5, .mat or .json"));
 }
 
+TEST_F(LinearCommands, ModesWriteFiles) {
+  const fs::path h5 = folder / "modes.h5", vtk = folder / "vtk";
+  const Outcome outcome = run({"modes", pendulum(), "-o", h5.string(), "--vtk", vtk.string()});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, h5.string() + "\n" + (vtk / "mode_1.pvd").string() + "\n");
+  EXPECT_TRUE(fs::exists(h5));
+  EXPECT_TRUE(fs::exists(vtk / "mode_1_023.vtp"));
+  const Outcome json = run({"modes", pendulum(), "-o", h5.string(), "--json"});
+  ASSERT_EQ(json.code, 0) << json.err;
+  expect_schema(json.out);
+}
+
+TEST_F(LinearCommands, ModesRefuseFilesThatTheyCannotWrite) {
+  const std::string model = pendulum();
+  const auto refused = [&](const std::vector<std::string>& more, int code, const std::string& message) {
+    std::vector<std::string> words{"modes", model};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, code) << message;
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+  };
+  refused({"-o", "modes.csv"}, 2, ".html or .h5");
+  refused({"-o", "modes.h5", "--over", "length=0.3:0.9:4"}, 2, "--over");
+  refused({"--vtk", "vtk", "--over", "length=0.3:0.9:4"}, 2, "--over");
+  refused({"-o", (folder / "missing" / "modes.h5").string()}, 3, "modes.h5");
+  const fs::path same = folder / "pendulum.h5";
+  fs::copy_file(model, same);
+  EXPECT_EQ(run({"modes", same.string(), "-o", same.string()}).code, 2);
+}
+
+TEST_F(LinearCommands, LineariseWritesBodePlots) {
+  const std::string page = (folder / "bode.html").string();
+  const Outcome without = run({"linearise", pendulum(), "-o", page});
+  EXPECT_EQ(without.code, 2);
+  EXPECT_THAT(without.err, HasSubstr("--frequencies"));
+  const Outcome outcome = run({"linearise", pendulum(), "-o", page, "--frequencies", "0.1:10:30"});
+  if (outcome.code == 3) GTEST_SKIP() << outcome.err;  // built without the pages
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_TRUE(fs::exists(page));
+  const std::string mute = (folder / "mute.yaml").string();
+  write_file(mute, R"yaml(mimbre: 1
+bodies: {bob: {mass: 1, com: [0, 0, -1], inertia: [1, 1, 1]}}
+joints: {pin: {type: revolute, between: [ground, bob], at: [0, 0, 0], axis: [0, 1, 0]}}
+inputs: {push: {start: 0, unit: N m}}
+actuators: {motor: {joint: pin, torque: push}}
+)yaml");
+  const Outcome no_outputs = run({"linearise", mute, "-o", page, "--frequencies", "0.1:10:30"});
+  EXPECT_EQ(no_outputs.code, 1);
+  EXPECT_THAT(no_outputs.err, HasSubstr("the model has no outputs"));
+}
+
 }  // namespace
 }  // namespace mimbre::app_test::linear_commands_test

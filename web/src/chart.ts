@@ -3,7 +3,8 @@
 import uPlot from "uplot";
 import type { Clock } from "./clock";
 import { element, themeColor } from "./dom";
-import { axisScale, tickLabels } from "./engineering";
+import { axisScale, logarithmicTicks, tickLabels } from "./engineering";
+import { formatNumber } from "./format";
 import type { Range } from "./trace";
 
 export interface ChartLine {
@@ -27,6 +28,10 @@ export interface ChartOptions {
   gutters?: Gutters;
   /** Equal steps are equal factors. */
   logarithmic?: boolean;
+  /** The same of the horizontal axis. */
+  logarithmicAcross?: boolean;
+  /** Marks of the vertical axis; without, those of round numbers. */
+  ticks?: (low: number, high: number) => number[];
   /** Of the vertical axis, where it is not simply that of the values in sight. */
   vertical?: (chart: uPlot) => [number | null, number | null];
   /** Charts with one key share their cursor. */
@@ -63,6 +68,11 @@ function valueRange(_: uPlot, low: number | null, high: number | null): uPlot.Ra
 /** As wide as the longest label needs. */
 export const axisWidth = (_: uPlot, labels: string[] | null) => 19 + 7.2 * Math.max(2, ...(labels ?? []).map((label) => (label ?? "").length));
 
+/** Marks of an axis on which equal steps are equal factors. */
+function factors(unit = ""): uPlot.Axis {
+  return { splits: (_, __, low, high) => logarithmicTicks(low, high), filter: (_, splits) => splits, values: (_, splits) => splits.map((value) => formatNumber(value, 3) + unit) };
+}
+
 export class Chart {
   readonly uplot: uPlot;
   private marker = element("div", { class: "marker" });
@@ -73,11 +83,13 @@ export class Chart {
     private options: ChartOptions,
   ) {
     const axis = axisStyle();
-    const { vertical, clock, lines, units, logarithmic } = options;
+    const { vertical, clock, lines, units, logarithmic, logarithmicAcross, ticks } = options;
     const { gutters = { left: 0, right: 0 } } = options;
     const sized = (side: keyof Gutters) => (u: uPlot, labels: string[] | null) => (gutters[side] = Math.max(gutters[side], axisWidth(u, labels)));
     const vertically: uPlot.Axis = { ...axis, size: sized("left") as uPlot.Axis.Size };
     const alone = !lines.some(({ second }) => second);
+    if (ticks) vertically.splits = (_, __, low, high) => ticks(low, high);
+    if (logarithmic && logarithmicAcross) Object.assign(vertically, factors());
     if (!logarithmic) vertically.values = (_, splits) => tickLabels(splits);
     const own: uPlot.Scale = logarithmic ? { distr: 3 } : { range: valueRange };
     const scale: uPlot.Scale = { ...own, ...(vertical ? { range: (u: uPlot) => vertical(u) as uPlot.Range.MinMax } : {}) };
@@ -87,8 +99,10 @@ export class Chart {
         height: options.height,
         legend: { show: false },
         // Without an axis at the right, as much room as others need for theirs and its label.
-        padding: [null, alone ? () => (gutters.right > 0 ? gutters.right + axis.labelSize! : rightPadding) : null, null, null],
-        scales: { x: { time: false, ...options.range }, y: scale, second: own },
+        padding: [null, alone ? () => (gutters.right > 0 ? gutters.right + axis.labelSize! : logarithmicAcross ? 1.5 * rightPadding : rightPadding) : null, null, null],
+        // Points that are dense show the steps of pixels.
+        ...(logarithmicAcross ? { pxAlign: 0 } : {}),
+        scales: { x: { time: false, ...(logarithmicAcross ? { distr: 3 } : {}), ...options.range }, y: scale, second: own },
         cursor: {
           sync: { key: options.key },
           drag: { x: true, y: false, dist: 5 },
@@ -99,7 +113,7 @@ export class Chart {
           ...lines.map(({ color, second }) => ({ stroke: color, width: 1.5, points: { show: false }, scale: second ? "second" : "y", ...(second ? { dash: [7, 4] } : {}) })),
         ],
         axes: [
-          { ...axis, size: 30, values: (u, splits) => this.across(u, splits) },
+          { ...axis, size: 30, ...(logarithmicAcross ? factors(` ${options.unit}`) : { values: (u, splits) => this.across(u, splits) }) },
           { ...vertically, label: units[0] },
           ...(alone ? [] : [{ ...vertically, size: sized("right"), scale: "second", side: 1, label: units[1], grid: { show: false } } as uPlot.Axis]),
         ],

@@ -72,6 +72,20 @@ export function tickLabels(values: number[]): string[] {
   });
 }
 
+/** Marks of a logarithmic axis that have a label: powers of ten, with more between them where they are few, and not all where they are many. */
+export function logarithmicTicks(low: number, high: number): number[] {
+  const ticks: number[] = [];
+  const decades = Math.log10(high / low);
+  const factors = decades > 3 ? [1] : decades > 1.2 ? [1, 2, 5] : [1, 2, 3, 4, 5, 6, 7, 8, 9];
+  const every = Math.max(1, Math.ceil(decades / 8));
+  for (let power = every * Math.floor(Math.log10(low) / every); power <= Math.ceil(Math.log10(high)); power += every)
+    for (const factor of factors) {
+      const tick = Number(`${factor}e${power}`);
+      if (tick >= low * (1 - 1e-9) && tick <= high * (1 + 1e-9)) ticks.push(tick);
+    }
+  return ticks;
+}
+
 /**
  * Which curves go to a second axis, so that small ones are seen beside large ones: where their ranges, in order of size,
  * leave the widest gap, if it is more than tenfold. A millionth of the largest is round-off and goes with the first.

@@ -1,5 +1,7 @@
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
+import { bodeFormat, decodeBode, type PackedBode } from "./bodeData";
+import { buildBode } from "./bode";
 import { channelCard } from "./channelViews";
 import { Clock } from "./clock";
 import { buildComparison, comparisonTitle } from "./comparison";
@@ -9,6 +11,8 @@ import { decodeReport, type PackedReport, type Report } from "./data";
 import { element } from "./dom";
 import { formulaChannel } from "./formulas";
 import { firstSelection } from "./groups";
+import { buildMechanismModes } from "./mechanismModes";
+import { decodeMechanismModes, mechanismModesFormat, type PackedMechanismModes } from "./mechanismModesData";
 import { buildModes } from "./modes";
 import { decodeModes, modesFormat, type PackedModes } from "./modesData";
 import { header, model, summary } from "./panels";
@@ -42,8 +46,18 @@ function buildReport(page: HTMLElement, report: Report): Clock {
 
 function build(page: HTMLElement): void {
   performance.mark("mimbre: read");
-  const packed = JSON.parse(document.getElementById("mimbre-data")!.textContent!) as PackedReport | PackedComparison | PackedModes;
+  const packed = JSON.parse(document.getElementById("mimbre-data")!.textContent!) as PackedReport | PackedComparison | PackedModes | PackedMechanismModes | PackedBode;
   performance.mark("mimbre: parsed");
+  if (packed.format === mechanismModesFormat) {
+    const modes = decodeMechanismModes(packed as PackedMechanismModes);
+    document.title = `${modes.title || "Untitled model"} – mimbre modes`;
+    return buildMechanismModes(page, modes);
+  }
+  if (packed.format === bodeFormat) {
+    const bode = decodeBode(packed as PackedBode);
+    document.title = `${bode.title || "Untitled model"} – mimbre Bode plots`;
+    return buildBode(page, bode);
+  }
   let clock: Clock;
   if (packed.format === comparisonFormat) {
     const comparison = decodeComparison(packed as PackedComparison);

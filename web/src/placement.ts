@@ -53,6 +53,13 @@ function turnOf(rotation: Quaternion): Vector3 {
   return sine > 0 ? v.multiplyScalar((2 * Math.atan2(sine, sign * rotation.w)) / sine) : v;
 }
 
+/** Of a motion in the second frame's axes what a joint leaves free. */
+function freePart(kind: string, { position, rotation }: Pose): Pose {
+  const weights = held[kind];
+  const keep = (vector: Vector3, first: number) => vector.set(...([0, 1, 2].map((k) => (weights[first + k] < 1 ? vector.getComponent(k) : 0)) as [number, number, number]));
+  return { position: keep(position.clone(), 0), rotation: turnBy(keep(turnOf(rotation), 3)) };
+}
+
 /** The frame on its body, its body's deformation drawn `factor` times as large. */
 export function framePose(frame: Frame, amplitudes: ArrayLike<number>, factor: number): Pose {
   const moved = [0, 0, 0, 0, 0, 0];
@@ -118,6 +125,10 @@ export class Placement {
     this.loops = joints.filter((joint) => !used.has(joint) && ends(joint)[0] !== ends(joint)[1]);
   }
 
+  get hasLoops(): boolean {
+    return this.loops.length > 0;
+  }
+
   /** A frame where it is drawn. */
   at(frame: number, placed: Pose[], amplitudes: ArrayLike<number>[], factor: number): Pose {
     const { body } = this.frames[frame];
@@ -137,6 +148,32 @@ export class Placement {
       placed[this.frames[far].body] = compose(compose(this.at(near, placed, amplitudes, factor), across), inverse(local(far, factor)));
     }
     if (this.loops.length > 0) this.fit(placed, relative, (frame) => local(frame, factor));
+    return placed;
+  }
+
+  /** Of each joint the second frame from the first. */
+  across(poses: Pose[], amplitudes: ArrayLike<number>[]): Map<Element, Pose> {
+    const joints = [...this.tree.map(({ joint }) => joint), ...this.loops];
+    return new Map(joints.map((joint) => [joint, compose(inverse(this.at(joint.a, poses, amplitudes, 1)), this.at(joint.b, poses, amplitudes, 1))]));
+  }
+
+  /**
+   * Poses that are nearly right, with joints that hold: of its way from `rest` (across() there) each joint keeps what it leaves
+   * free. Bodies follow each other along the tree; loops are closed by least squares.
+   */
+  close(poses: Pose[], amplitudes: ArrayLike<number>[], rest: Map<Element, Pose>): Pose[] {
+    const placed = poses.map(({ position, rotation }) => ({ position: position.clone(), rotation: rotation.clone() }));
+    if (this.tree.length === 0 && this.loops.length === 0) return placed;
+    const now = this.across(poses, amplitudes);
+    const free = new Map([...now].map(([joint, pose]) => [joint, compose(rest.get(joint)!, freePart(joint.kind, compose(inverse(rest.get(joint)!), pose)))]));
+    const local = (frame: number) => framePose(this.frames[frame], amplitudes[this.frames[frame].body] ?? [], 1);
+    for (const { joint, from } of this.tree) {
+      const forward = this.frames[joint.a].body === from;
+      const [near, far] = forward ? [joint.a, joint.b] : [joint.b, joint.a];
+      const across = forward ? free.get(joint)! : inverse(free.get(joint)!);
+      placed[this.frames[far].body] = compose(compose(this.at(near, placed, amplitudes, 1), across), inverse(local(far)));
+    }
+    if (this.loops.length > 0) this.fit(placed, (joint) => free.get(joint)!, local);
     return placed;
   }
 

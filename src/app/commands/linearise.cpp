@@ -10,6 +10,7 @@
 #include "app/targets.h"
 #include "app/terminal/busy.h"
 #include "app/terminal/table.h"
+#include "mimbre/linear_report.h"
 #include "mimbre/linearise.h"
 
 /// mimbre linearise: state-space matrices of a model about a point.
@@ -60,6 +61,7 @@ int run_linearise(const LineariseArguments& a) {
     throw UsageError("--frequencies needs a file for the responses: --output FILE, or --json");
   const std::vector<double> frequencies = frequencies_of(a.frequencies);
   if (!a.output.empty()) {
+    check_linear_path(a.output, frequencies);
     require_different(a.model, a.output);
     require_writable(a.output);
   }
@@ -77,7 +79,7 @@ int run_linearise(const LineariseArguments& a) {
     }
   }
   for (const std::string& warning : model.warnings) print_warning(warning);
-  if (!a.output.empty()) write_linear_model(model, a.output, frequencies);
+  if (!a.output.empty()) write_linear_file(model, a.output, frequencies);
   if (a.json)
     print_data(linear_model_json(model, frequencies) + '\n');
   else if (a.output.empty())
@@ -95,7 +97,10 @@ Command add_linearise(CommandLine& program) {
   const auto a = std::make_shared<LineariseArguments>();
   parser.add_option("model", a->model, "Model file (YAML)").required().type_name("MODEL");
   add_set_option(parser, a->settings);
-  parser.add_option("-o,--output", a->output, "File: .h5, .mat (MATLAB, Octave, SciPy) or .json")
+  parser
+      .add_option("-o,--output", a->output,
+                  "File: .h5, .mat (MATLAB, Octave, SciPy) or .json; .html: Bode plots at the "
+                  "--frequencies")
       .type_name("FILE");
   parser
       .add_option("--frequencies", a->frequencies,
@@ -108,7 +113,8 @@ Command add_linearise(CommandLine& program) {
   parser.footer(
       "Without --output or --json, prints the states. Examples:\n  mimbre linearise car.yaml --at 2.5 -o "
       "car.mat\n"
-      "  mimbre linearise robot.yaml -o robot.h5 --frequencies 0.1:100:200");
+      "  mimbre linearise robot.yaml -o robot.h5 --frequencies 0.1:100:200\n"
+      "  mimbre linearise robot.yaml -o bode.html --frequencies 0.1:100:200");
   return {parser, [a] { return run_linearise(*a); }};
 }
 

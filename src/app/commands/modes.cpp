@@ -8,8 +8,11 @@
 #include "app/commands/point_options.h"
 #include "app/common.h"
 #include "app/json.h"
+#include "app/targets.h"
 #include "app/terminal/busy.h"
+#include "app/terminal/progress.h"
 #include "app/terminal/table.h"
+#include "mimbre/linear_report.h"
 #include "mimbre/modes.h"
 
 /// mimbre modes: eigenvalues about a point, and what each mode consists of.
@@ -23,6 +26,7 @@ struct ModesArguments {
   CampbellArguments campbell;
   int most = 0;
   std::string solver = "automatic";
+  std::string output, vtk;
   bool json = false, strict = false;
 };
 
@@ -98,7 +102,51 @@ std::string to_table(const LinearisedModes& found) {
   return text;
 }
 
+/// Before a long computation.
+void check_outputs(const ModesArguments& a) {
+  if (!a.campbell.over.empty() && !(a.output.empty() && a.vtk.empty()))
+    throw UsageError("--output and --vtk write the modes at one point; they do not go with --over");
+  if (!a.campbell.speed.empty() && a.campbell.over.empty())
+    throw UsageError("--speed: is a unit of the parameter that --over names");
+  if (a.output.empty()) return;
+  check_modes_path(a.output);
+  require_different(a.model, a.output);
+}
+
+LinearisedModes found_modes(const LoadedModel& loaded, const ModesArguments& a, ModesSolver solver) {
+  ModesOptions options;
+  options.linear = linear_options(a.point, loaded.model->spec().simulation);
+  options.most = a.most;
+  options.solver = solver;
+  options.shapes = !a.output.empty() || !a.vtk.empty();
+  const Busy busy("looking for the modes", !a.json);
+  try {
+    return find_modes(loaded.model, options);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw Failure(error.what());
+  }
+}
+
+/// Returns the names of what was written, a line each.
+std::string write_files(const ModesArguments& a, const LinearisedModes& found) {
+  std::string lines;
+  if (!a.output.empty()) {
+    write_modes(found, a.output);
+    lines += made("modes", a.output, false);
+  }
+  if (a.vtk.empty()) return lines;
+  Progress progress(!a.json);
+  ModesVtkOptions options;
+  options.progress = [&](double part) { progress.update("writing", part); };
+  const std::string first = write_modes_vtk(found, a.vtk, options);
+  progress.clear();
+  return lines + made("modes", first, false);
+}
+
 int run_modes(const ModesArguments& a) {
+  check_outputs(a);
   const ModesSolver solver = a.solver == "dense"    ? ModesSolver::dense
                              : a.solver == "sparse" ? ModesSolver::sparse
                                                     : ModesSolver::automatic;
@@ -108,29 +156,22 @@ int run_modes(const ModesArguments& a) {
     over.solver = solver;
     return run_campbell(a.model, a.settings, over, a.point, a.json, a.strict);
   }
-  if (!a.campbell.speed.empty()) throw UsageError("--speed: is a unit of the parameter that --over names");
   const LoadedModel loaded = load(a.model, a.settings, a.json);
-  ModesOptions options;
-  options.linear = linear_options(a.point, loaded.model->spec().simulation);
-  options.most = a.most;
-  options.solver = solver;
-  LinearisedModes found;
-  {
-    const Busy busy("looking for the modes", !a.json);
-    try {
-      found = find_modes(loaded.model, options);
-    } catch (const InputError&) {
-      throw;
-    } catch (const std::runtime_error& error) {
-      throw Failure(error.what());
-    }
+  if (!a.output.empty()) {
+    for (const std::string& file : loaded.other_files) require_different(file, a.output);
+    require_writable(a.output);
   }
+  const LinearisedModes found = found_modes(loaded, a, solver);
   std::vector<std::string> warnings = loaded.warnings;
   for (const std::string& warning : found.model.warnings) {
     print_warning(warning);
     warnings.push_back(warning);
   }
-  print_data(a.json ? to_text(to_json(found, warnings)) + '\n' : to_table(found));
+  const std::string files = write_files(a, found);
+  if (a.json)
+    print_data(to_text(to_json(found, warnings)) + '\n');
+  else
+    print_data(files.empty() ? to_table(found) : files);
   return done_with(!warnings.empty(), a.strict);
 }
 
@@ -164,11 +205,22 @@ Command add_modes(CommandLine& program) {
           "--speed", a->campbell.speed,
           "The parameter is a speed in this unit: also critical speeds, at which a mode has its frequency")
       .choice({"rad/s", "rpm", "Hz"});
+  parser
+      .add_option("-o,--output", a->output,
+                  "File: .html, a page in which the modes are animated; .h5, the shapes by coordinate and by "
+                  "body. Its name is printed in place of the table")
+      .type_name("FILE");
+  parser
+      .add_option(
+          "--vtk", a->vtk,
+          "Each mode over one period as VTK files, for ParaView, with one series (mode_1.pvd, ...) each")
+      .type_name("FOLDER");
   parser.add_flag("--json", a->json, "The same as JSON, with the shapes");
   add_strict_option(parser, a->strict);
   add_point_options(parser, a->point);
   parser.footer(
-      "Examples:\n  mimbre modes car.yaml\n  mimbre modes rotor.yaml --over rpm=0:4000:41 --speed rpm");
+      "Examples:\n  mimbre modes car.yaml\n  mimbre modes rotor.yaml --over rpm=0:4000:41 --speed rpm\n"
+      "  mimbre modes car.yaml -o shapes.html");
   return {parser, [a] { return run_modes(*a); }};
 }
 
