@@ -135,13 +135,20 @@ class LinearModel:
         """Writes the model to a file, as `mimbre linearise -o`.
 
         Args:
-            path: ends with .h5, .mat or .json.
-            frequencies: in Hz, of responses that are written too.
+            path: ends with .h5, .mat or .json; or with .html, for a page of Bode plots.
+            frequencies: in Hz, of responses that are written too; a page needs two or more, ascending.
+
+        Raises:
+            InputError: the format is unknown; or of a page, the model has no inputs or no outputs, or there are no
+                frequencies.
         """
         file = _checks.path("path", path)
-        if not file.endswith((".h5", ".mat", ".json")):
-            raise InputError(f"save: {file!r} ends with no format that is known: .h5, .mat or .json")
-        self._core.save(file, _checks.array("frequencies", frequencies).tolist())
+        if not file.endswith((".h5", ".mat", ".json", ".html")):
+            raise InputError(f"save: {file!r} ends with no format that is known: .html, .h5, .mat or .json")
+        wanted = _checks.array("frequencies", frequencies)
+        if file.endswith(".html") and (len(wanted) < 2 or wanted[0] <= 0 or not (np.diff(wanted) > 0).all()):
+            raise InputError("save: a page of Bode plots needs two frequencies or more, above 0 and ascending")
+        self._core.save(file, wanted.tolist())
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,6 +205,26 @@ class Modes(Sequence[EigenMode]):
     """What was done with delays, sampled signals and laws of the user."""
     warnings: list[str]
     """No equilibrium, coefficients that vary along the motion."""
+    _core: _core.LinearisedModes
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the modes to a file, as `mimbre modes -o`.
+
+        Args:
+            path: ends with .html, for a page in which the modes are animated, or with .h5.
+        """
+        file = _checks.path("path", path)
+        if not file.endswith((".html", ".h5")):
+            raise InputError(f"save: {file!r} ends with no format that is known: .html or .h5")
+        self._core.save(file)
+
+    def save_vtk(self, folder: str | os.PathLike[str]) -> str:
+        """Writes each mode over one period as VTK files for ParaView, as `mimbre modes --vtk`.
+
+        Returns:
+            The name of the first series; there is one for each mode.
+        """
+        return self._core.save_vtk(_checks.path("folder", folder))
 
     @overload
     def __getitem__(self, index: int) -> EigenMode: ...
@@ -394,7 +421,7 @@ def modes(
         for m in found.modes
     ]
     names = [name for name, _ in found.coordinates]
-    return Modes(found.point, names, listed, found.turning, found.period, found.notes, found.warnings)
+    return Modes(found.point, names, listed, found.turning, found.period, found.notes, found.warnings, found)
 
 
 @dataclass(frozen=True)

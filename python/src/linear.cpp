@@ -17,6 +17,7 @@
 #include "bindings.h"
 #include "loaded_model.h"
 #include "mimbre/campbell.h"
+#include "mimbre/linear_report.h"
 #include "mimbre/linearise.h"
 #include "mimbre/modes.h"
 #include "mimbre/trim.h"
@@ -145,7 +146,7 @@ void bind_linear(nb::module_& module) {
       .def_ro("warnings", &LinearModel::warnings)
       .def("save", [](const LinearModel& m, const std::string& path, const std::vector<double>& frequencies) {
         computed([&] {
-          write_linear_model(m, path, frequencies);
+          write_linear_file(m, path, frequencies);
           return 0;
         });
       });
@@ -182,7 +183,17 @@ void bind_linear(nb::module_& module) {
       .def_prop_ro("coordinates", [](const LinearisedModes& m) { return names_of(m.coordinates); })
       .def_ro("modes", &LinearisedModes::modes)
       .def_ro("turning", &LinearisedModes::turning)
-      .def_ro("period", &LinearisedModes::period);
+      .def_ro("period", &LinearisedModes::period)
+      .def("save",
+           [](const LinearisedModes& m, const std::string& path) {
+             computed([&] {
+               write_modes(m, path);
+               return 0;
+             });
+           })
+      .def("save_vtk", [](const LinearisedModes& m, const std::string& folder) {
+        return computed([&] { return write_modes_vtk(m, folder); });
+      });
   module.def(
       "modes",
       [](const LoadedModel& loaded, const MethodChoice& method, const std::string& at, double time,
@@ -190,6 +201,7 @@ void bind_linear(nb::module_& module) {
         ModesOptions options;
         options.linear = options_of(loaded, method, at, time, inputs, delay_order);
         options.most = most;
+        options.shapes = true;
         return computed([&] { return find_modes(loaded.model, options); });
       },
       nb::arg("model"), nb::arg("method"), nb::arg("at"), nb::arg("time"), nb::arg("inputs"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 
+import h5py
 import mimbre
 import numpy as np
 import pytest
@@ -69,6 +70,39 @@ def test_files_are_those_of_the_program(cart, tmp_path):
     assert {**said, "title": ""} == {**saved, "title": ""}
     with pytest.raises(mimbre.InputError, match="no format that is known"):
         cart.linearise().save(tmp_path / "cart.txt")
+
+
+def test_modes_are_saved_with_their_shapes(cart, tmp_path):
+    modes = cart.modes()
+    modes.save(tmp_path / "shapes.h5")
+    with h5py.File(tmp_path / "shapes.h5") as file:
+        assert file.attrs["format"] == b"mimbre-mechanism-modes-1"
+        value = file["value_real"][:] + 1j * file["value_imaginary"][:]
+        np.testing.assert_allclose(value, modes.values)
+        moved = file["displacement_real"][:] + 1j * file["displacement_imaginary"][:]
+        np.testing.assert_allclose(moved, [[[modes[0].shape[0], 0, 0]]], atol=1e-12)
+        assert [name.decode() for name in file["body_names"]] == ["cart"]
+    assert modes.save_vtk(tmp_path / "vtk") == str(tmp_path / "vtk" / "mode_1.pvd")
+    assert len(list((tmp_path / "vtk").glob("mode_1_*.vtp"))) == 24
+    with pytest.raises(mimbre.InputError, match=r"\.html or \.h5"):
+        modes.save(tmp_path / "shapes.csv")
+
+
+def test_pages_of_modes_and_of_bode_plots(cart, tmp_path):
+    try:
+        cart.modes().save(tmp_path / "shapes.html")
+    except RuntimeError as error:
+        pytest.skip(str(error))  # built without the pages
+    assert "mimbre-mechanism-modes-1" in (tmp_path / "shapes.html").read_text(encoding="utf-8")
+    linear = cart.linearise()
+    linear.save(tmp_path / "bode.html", np.geomspace(0.1, 10, 20))
+    assert "mimbre-bode-1" in (tmp_path / "bode.html").read_text(encoding="utf-8")
+    for frequencies in (), [1], [2, 1], [0, 1]:
+        with pytest.raises(mimbre.InputError, match="a page of Bode plots needs"):
+            linear.save(tmp_path / "bode.html", frequencies)
+    mute = mimbre.Model.from_text(CART[: CART.index("outputs:")]).linearise()
+    with pytest.raises(mimbre.InputError, match="has no outputs"):
+        mute.save(tmp_path / "bode.html", [1, 2])
 
 
 def test_modes_are_those_of_the_program(examples):
