@@ -1,6 +1,6 @@
 // The page of Bode plots: responses of a linear model from an input that is chosen to outputs that are ticked.
 import type uPlot from "uplot";
-import { decibels, firstOutputs, magnitudes, phases, phaseTicks, ratioUnit, responseOf, type Bode } from "./bodeData";
+import { decibels, firstInput, firstOutputs, magnitudes, phases, phaseTicks, ratioUnit, responseOf, type Bode } from "./bodeData";
 import { ChannelList } from "./channelList";
 import { Chart } from "./chart";
 import { lineColors } from "./color";
@@ -159,8 +159,8 @@ const count = (number: number, one: string) => `${number} ${one}${number === 1 ?
 
 /** Fills the page. */
 export function buildBode(page: HTMLElement, bode: Bode): void {
-  const selected = new Set(firstOutputs(bode.outputs));
-  let input = 0;
+  let input = firstInput(bode);
+  const selected = new Set(firstOutputs(bode, input));
   let scale: Scale = "decibels";
   const show = () => plots.show(input, [...selected].sort((a, b) => a - b), scale);
   const changed = () => {
@@ -176,7 +176,7 @@ export function buildBode(page: HTMLElement, bode: Bode): void {
   const settings = element(
     "div",
     { class: "settings" },
-    choice("Input", inputs, "0", (value) => ((input = Number(value)), show())),
+    choice("Input", inputs, String(input), (value) => ((input = Number(value)), show())),
     choice("Magnitude", scales, "decibels", (value) => ((scale = value), show())),
   );
   const name = () => `bode-${bode.inputs[input].name.replace(/[^\p{L}\p{N}]+/gu, "-")}`;

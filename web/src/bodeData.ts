@@ -86,7 +86,16 @@ export function phaseTicks(low: number, high: number, most = 7): number[] {
   return ticks;
 }
 
-/** What is plotted at first: outputs of the unit of the first one, few enough to be read. */
-export function firstOutputs(outputs: Named[], most = 4): number[] {
-  return [...outputs.keys()].filter((k) => outputs[k].unit === outputs[0]?.unit).slice(0, most);
+const responds = (bode: Bode, input: number, output: number) => magnitudes(responseOf(bode, input, output)).some((value) => value > 0);
+
+/** The first input to which an output responds. */
+export function firstInput(bode: Bode): number {
+  const found = bode.inputs.findIndex((_, input) => bode.outputs.some((__, output) => responds(bode, input, output)));
+  return Math.max(found, 0);
+}
+
+/** What is plotted at first: outputs that respond, of one unit, few enough to be read. */
+export function firstOutputs(bode: Bode, input: number, most = 4): number[] {
+  const all = [...bode.outputs.keys()].filter((output) => responds(bode, input, output));
+  return (all.length > 0 ? all : [...bode.outputs.keys()]).filter((output, _, [first]) => bode.outputs[output].unit === bode.outputs[first].unit).slice(0, most);
 }

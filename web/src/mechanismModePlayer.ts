@@ -42,8 +42,9 @@ export class MechanismModePlayer {
     const holder = element("div", { class: "view" });
     this.play.addEventListener("click", () => this.toggle());
     this.slider.addEventListener("input", () => {
+      const degrees = Number(this.slider.value);
       this.pause();
-      this.setPhase((Number(this.slider.value) * Math.PI) / 180);
+      this.setPhase((degrees * Math.PI) / 180);
     });
     this.root.append(element("h2", { class: "unseen" }, "Mode shape"), holder, element("div", { class: "row transport" }, this.play, this.slider, this.shown));
     // The view looks for its bounds when it is made.

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Quaternion, Vector3 } from "three";
-import { decibels, decodeBode, firstOutputs, magnitudes, phases, phaseTicks, ratioUnit, responseOf } from "../src/bodeData";
+import { decibels, decodeBode, firstInput, firstOutputs, magnitudes, phases, phaseTicks, ratioUnit, responseOf } from "../src/bodeData";
 import { logarithmicTicks } from "../src/engineering";
 import { dampingText, valueText } from "../src/mechanismModeList";
 import { ClosedJoints, decodeMechanismModes, drawingFactor, fillPeriod, movingScene, moveByMode, multiplied, pace, quaternionOf, remarks, screwed, turnWhole, type MechanismMode, type PackedMechanismModes } from "../src/mechanismModesData";
@@ -179,7 +179,10 @@ test("a response is found by input and output", () => {
   assert.deepEqual([...responseOf(bode, 1, 2).real], [11, 12]);
   assert.deepEqual(magnitudes(responseOf(bode, 0, 1)), [5, 4]);
   assert.deepEqual(decibels([10, 0, 0.1]), [20, null, -20]);
-  assert.deepEqual(firstOutputs(bode.outputs), [0, 1]);
+  assert.deepEqual([firstInput(bode), firstOutputs(bode, 0)], [0, [0, 1]]);
+  // What does not respond is not shown at first.
+  const still = { ...bode, real: new Float64Array([0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1]), imaginary: new Float64Array(12) };
+  assert.deepEqual([firstInput(still), firstOutputs(still, 1), firstOutputs(still, 0)], [1, [2], [0, 1]]);
 });
 
 test("phases go on over ±180°", () => {
