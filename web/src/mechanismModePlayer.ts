@@ -7,7 +7,7 @@ import { element, themeColor } from "./dom";
 import { saveCanvas } from "./download";
 import { formatNumber } from "./format";
 import { dampingText, valueText } from "./mechanismModeList";
-import { ClosedJoints, drawingFactor, fillPeriod, moveByMode, movingScene, pace, turnWhole, type MechanismModes } from "./mechanismModesData";
+import { bendingMode, ClosedJoints, drawingFactor, fillPeriod, moveByMode, movingScene, pace, turnWhole, type MechanismModes } from "./mechanismModesData";
 import { checkbox, choice, factorSlider } from "./slider";
 import { View3D } from "./view3d";
 
@@ -47,7 +47,8 @@ export class MechanismModePlayer {
       this.setPhase((degrees * Math.PI) / 180);
     });
     this.root.append(element("h2", { class: "unseen" }, "Mode shape"), holder, element("div", { class: "row transport" }, this.play, this.slider, this.shown));
-    // The view looks for its bounds when it is made.
+    // The view looks for its bounds, and for what deforms, when it is made.
+    this.mode = bendingMode(report);
     if (report.modes.length > 0) this.fill();
     this.view = this.made(holder);
     if (this.view) this.root.append(this.settings(this.view));
@@ -78,6 +79,11 @@ export class MechanismModePlayer {
     this.draw();
   }
 
+  /** Few enough bodies to draw all of them twice. */
+  private get few(): boolean {
+    return this.report.scene.bodies.length < 200;
+  }
+
   private get factor(): number {
     return drawingFactor(this.report.modes[this.mode], this.report.size, this.share);
   }
@@ -88,7 +94,7 @@ export class MechanismModePlayer {
       return null;
     }
     try {
-      const view = new View3D(this.scene, this.clock, holder, { ghosts: [{ scene: this.report.scene, color: themeColor("muted") || "#888888" }] });
+      const view = new View3D(this.scene, this.clock, holder, { ghosts: this.few ? [{ scene: this.report.scene, color: themeColor("muted") || "#888888" }] : [] });
       Object.assign(globalThis, { mimbreView: view }); // for the browser's console, and for tests
       view.follow(-1); // what moves is to be seen
       holder.append(this.bar.root, this.title);
@@ -117,7 +123,7 @@ export class MechanismModePlayer {
       { class: "settings" },
       factorSlider("Amplitude", 0.005, 0.5, this.share, amplitude, percent),
       factorSlider("Speed", 0.1, 4, 1, (speed) => (this.speed = speed)),
-      checkbox("At rest", this.report.scene.bodies.length < 200, (on) => view.showGhost(0, on)),
+      ...(this.few ? [checkbox("At rest", true, (on) => view.showGhost(0, on))] : []),
     );
     if (view.quantities.length > 1) {
       const options = view.quantities.map((value) => ({ value, text: quantityNames[value] }));

@@ -170,6 +170,12 @@ export class ClosedJoints {
   }
 }
 
+/** The first mode in which a body is deformed, else the first. */
+export function bendingMode({ modes, amplitudes, scene }: MechanismModes): number {
+  const each = 2 * scene.animation.amplitudes;
+  return Math.max(modes.findIndex((_, mode) => amplitudes.subarray(mode * each, (mode + 1) * each).some((value) => Math.abs(value) > 1e-9)), 0);
+}
+
 const frames = 32; // of a period
 
 /** A scene whose first instant is filled again and again, with a period after it, from 0 to 1, by which the view finds its bounds. */

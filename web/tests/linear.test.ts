@@ -4,7 +4,7 @@ import { Quaternion, Vector3 } from "three";
 import { decibels, decodeBode, firstInput, firstOutputs, magnitudes, phases, phaseTicks, ratioUnit, responseOf } from "../src/bodeData";
 import { logarithmicTicks } from "../src/engineering";
 import { dampingText, valueText } from "../src/mechanismModeList";
-import { ClosedJoints, decodeMechanismModes, drawingFactor, fillPeriod, movingScene, moveByMode, multiplied, pace, quaternionOf, remarks, screwed, turnWhole, type MechanismMode, type PackedMechanismModes } from "../src/mechanismModesData";
+import { bendingMode, ClosedJoints, decodeMechanismModes, drawingFactor, fillPeriod, movingScene, moveByMode, multiplied, pace, quaternionOf, remarks, screwed, turnWhole, type MechanismMode, type PackedMechanismModes } from "../src/mechanismModesData";
 import { near, packed } from "./helpers";
 
 const none = packed("u32", []);
@@ -139,6 +139,12 @@ test("joints stay closed: of a double pendulum, and of a loop", () => {
   moveByMode(loop, 0, 0.1, 0, looped.animation, 0);
   new ClosedJoints(loop).close(looped);
   assert.ok(looped.animation.positions.every(Number.isFinite));
+});
+
+test("the first mode that deforms something", () => {
+  assert.equal(bendingMode(report()), 0);
+  assert.equal(bendingMode(report({ amplitudes: packed("f32", [0, 0, 0, 1]) })), 1);
+  assert.equal(bendingMode(report({ amplitudes: packed("f32", [0, 0, 0, 0]) })), 0);
 });
 
 test("amplitudes: a share of the size, but no body turns too far", () => {

@@ -66,6 +66,8 @@ int run_linearise(const LineariseArguments& a) {
     require_writable(a.output);
   }
   const LoadedModel loaded = load(a.model, a.settings, a.json);
+  if (!a.output.empty())
+    for (const std::string& file : loaded.other_files) require_different(file, a.output);
   const LinearOptions options = linear_options(a.point, loaded.model->spec().simulation);
   LinearModel model;
   {
