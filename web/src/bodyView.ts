@@ -6,6 +6,9 @@ import type { Body, Solid } from "./data";
 import { deformed, displacements } from "./deform";
 import { SurfaceView } from "./surfaceView";
 
+/** Of what is in the same place nothing flickers. */
+const behind = { polygonOffset: true, polygonOffsetFactor: 3, polygonOffsetUnits: 12 };
+
 const fewLines = 2000; // up to here tubes are round and their ends closed by balls
 
 /** The colours of the points in the linear colour space of the shaders. */
@@ -192,7 +195,7 @@ export class BodyView {
     this.group.traverse((object) => {
       if (!(object instanceof THREE.Mesh)) return;
       object.castShadow = object.receiveShadow = false;
-      Object.assign(object.material as THREE.Material, { transparent: true, opacity: 0.28, depthWrite: false });
+      Object.assign(object.material as THREE.Material, { transparent: true, opacity: 0.28, depthWrite: false, ...behind });
     });
   }
 
