@@ -31,7 +31,7 @@ struct MechanismShapes {
 };
 
 /// The factor by which a mode is well seen: its largest displacement is the share `share` of the size, and no
-/// body turns by more than 12 rad times the share. 0 where nothing that is drawn moves.
+/// body turns by more than 6 rad times the share. 0 where nothing that is drawn moves.
 double drawing_factor(const MechanismShapes& shapes, int mode, double share = 0.1);
 
 /// The mechanism moved by factor · Re(x e^{iφ}), in rad. Each body moves along the screw of its displacement

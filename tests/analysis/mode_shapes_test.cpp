@@ -185,7 +185,7 @@ TEST(MechanismShapes, OfTheSparseSolverAreThoseOfTheDenseOne) {
     EXPECT_LT((a.turn - b.turn).norm(), 1e-6 * a.turn.norm());
     // Either the largest displacement or the largest turn is what it may be.
     const double factor = drawing_factor(*dense.shapes, static_cast<int>(k), 0.05);
-    EXPECT_NEAR(std::max(factor * a.reach / dense.shapes->size, factor * a.largest_turn / 12), 0.05, 1e-12);
+    EXPECT_NEAR(std::max(factor * a.reach / dense.shapes->size, factor * a.largest_turn / 6), 0.05, 1e-12);
   }
 }
 

@@ -60,7 +60,7 @@ export function decodeMechanismModes(packed: PackedMechanismModes): MechanismMod
 /** By which a mode is drawn so that its largest displacement is a share of the size, and no body turns too far (drawing_factor of the library). */
 export function drawingFactor({ reach, turn }: Pick<MechanismMode, "reach" | "turn">, size: number, share: number): number {
   const byReach = reach > 0 ? (share * (size || 1)) / reach : 0; // a single point is drawn as if it were 1 m large
-  const byTurn = turn > 0 ? (share * 12) / turn : 0;
+  const byTurn = turn > 0 ? (share * 6) / turn : 0;
   return byReach > 0 && byTurn > 0 ? Math.min(byReach, byTurn) : Math.max(byReach, byTurn);
 }
 

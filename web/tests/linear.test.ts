@@ -149,8 +149,8 @@ test("the first mode that deforms something", () => {
 
 test("amplitudes: a share of the size, but no body turns too far", () => {
   near([drawingFactor({ reach: 2, turn: 0.5 }, 4, 0.1)], [0.2]);
-  near([drawingFactor({ reach: 2, turn: 60 }, 4, 0.1)], [0.02]);
-  near([drawingFactor({ reach: 0, turn: 6 }, 4, 0.1)], [0.2]);
+  near([drawingFactor({ reach: 2, turn: 30 }, 4, 0.1)], [0.02]);
+  near([drawingFactor({ reach: 0, turn: 3 }, 4, 0.1)], [0.2]);
   near([drawingFactor({ reach: 2, turn: 0 }, 0, 0.1)], [0.05]);
   near([drawingFactor({ reach: 0, turn: 0 }, 4, 0.1)], [0]);
 });

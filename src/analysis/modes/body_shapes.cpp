@@ -214,7 +214,7 @@ MechanismShapes linear::body_shapes(const Linearised& at, const std::vector<Mode
 }
 
 double drawing_factor(const MechanismShapes& shapes, int mode, double share) {
-  constexpr double turn = 12;  // rad, for a share of 1
+  constexpr double turn = 6;  // rad, for a share of 1
   const BodyShapes& one = shapes.modes[static_cast<std::size_t>(mode)];
   // A single point is drawn as if it were 1 m large.
   const double size = shapes.size > 0 ? shapes.size : 1,
