@@ -19,6 +19,7 @@ namespace {
 
 // Shares of the scales of coordinates, equations, and of the work that the forces at play do along those.
 constexpr double difference = 1e-6;        ///< of coordinates, for the tangent
+constexpr double wide_difference = 1e-4;   ///< of coordinates, along a disturbance that grows
 constexpr double furthest_step = 0.3;      ///< that the tangent is trusted with
 constexpr double still = 1e-10;            ///< of the last step and of violations
 constexpr double balanced_share = 1e-8;    ///< of forces that balance but for this
@@ -54,9 +55,10 @@ Units units_of(const System& system, const MatrixXd& mass, const VectorXd& work)
 }
 
 /// Growth of disturbances of an equilibrium with the tangent stiffness K along the motions N, all in the
-/// mechanism's units.
+/// mechanism's units. `wide`: xᵀ K x by wider differences.
+template <class Wide>
 void judge_stability(const MatrixXd& K, const MatrixXd& mass, const MatrixXd& N, const Units& units,
-                     StaticsStatus& status) {
+                     const Wide& wide, StaticsStatus& status) {
   if (N.cols() == 0) return;
   const MatrixXd stiffness = N.transpose() * K * N;
   MatrixXd inertia = N.transpose() * mass * N;
@@ -69,7 +71,10 @@ void judge_stability(const MatrixXd& K, const MatrixXd& mass, const MatrixXd& N,
   const double sharp =
       1e-7 * x.cwiseAbs().dot(K.cwiseAbs() * x.cwiseAbs()) + 1e-9 * units.energy * x.squaredNorm();
   const double slow = neutral * units.pace * units.pace;
-  if (-x.dot(K * x) <= sharp || pairs.values[0] >= -slow) return;
+  const double stiffness_along = x.dot(K * x);
+  if (-stiffness_along <= sharp || pairs.values[0] >= -slow) return;
+  // Round-off is less where differences are wider: that of stiff parts, along motions that nothing resists.
+  if (wide(x) > 0.5 * stiffness_along) return;
   double least = pairs.values[0];
   // What acts one way only, a signal's feedforward or sliding friction, makes K unsymmetric: then its own
   // eigenvalues decide, of which a negative one is a disturbance that grows without turning back.
@@ -109,6 +114,8 @@ class EquilibriumSearch {
   MatrixXd tangent();
   /// By differences from the forces r here: half the work, and as exact as steps need.
   MatrixXd rough_tangent(const VectorXd& r);
+  /// xᵀ K x by wide differences.
+  double stiffness_along(const VectorXd& x);
   /// N of the motions x = N z that the constraints permit: Φz N = 0.
   MatrixXd permitted_motions();
   /// Mass, units and the like at the start.
@@ -129,6 +136,10 @@ class EquilibriumSearch {
     return n_ == 0 ? 0 : round_off_share * K.cwiseAbs().maxCoeff();
   }
   void move(const VectorXd& step);
+  void judge(const MatrixXd& K, const MatrixXd& N, StaticsStatus& status) {
+    judge_stability(
+        K, mass_, N, units_, [this](const VectorXd& x) { return stiffness_along(x); }, status);
+  }
 
   System& system_;
   State& s_;
@@ -200,6 +211,18 @@ MatrixXd EquilibriumSearch::rough_tangent(const VectorXd& r) {
   return result;
 }
 
+double EquilibriumSearch::stiffness_along(const VectorXd& x) {
+  const double largest = x.cwiseAbs().maxCoeff();
+  if (!(largest > 0)) return 0;
+  const double share = wide_difference / largest;
+  VectorXd q(system_.positions()), step = share * x.cwiseProduct(scale_);
+  system_.retract(s_.q.data(), step.data(), q.data());
+  const VectorXd plus = forces(q, zero_);
+  step *= -1;
+  system_.retract(s_.q.data(), step.data(), q.data());
+  return x.dot(plus - forces(q, zero_)) / (2 * share);
+}
+
 MatrixXd EquilibriumSearch::permitted_motions() {
   if (m_ > 0) {
     const VectorXd rows = Eigen::Map<const VectorXd>(scales_.equations.data(), m_).cwiseInverse();
@@ -264,7 +287,7 @@ StaticsStatus EquilibriumSearch::newton(int most_steps) {
     round_off = round_off_of(K);
     if (balances(left, round_off) && longest < still && closes(left)) {
       status.converged = true;
-      judge_stability(tangent(), mass_, N, units_, status);
+      judge(tangent(), N, status);
       return status;
     }
     move(step);
@@ -301,7 +324,7 @@ StaticsStatus EquilibriumSearch::run(bool careful, int most_steps) {
     const double largest = n_ == 0 ? 0 : step.cwiseAbs().maxCoeff();
     if (tau * units_.pace >= newton_time && balanced && largest < still && closes(left)) {
       status.converged = true;
-      judge_stability(K, mass_, N, units_, status);
+      judge(K, N, status);
       break;
     }
     too_far = largest > furthest_step;

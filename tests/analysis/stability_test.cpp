@@ -1,8 +1,12 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "mimbre/modes.h"
 #include "mimbre/simulation.h"
 #include "mimbre/statics.h"
 #include "support/models.h"
@@ -44,6 +48,61 @@ TEST(Stability, OfAnInvertedPendulum) {
     const StaticResult held = static_equilibrium(model_of(inverted(9.9)), in(f));
     EXPECT_TRUE(held.stable);
     EXPECT_THAT(held.warnings, IsEmpty());
+  }
+}
+
+/// A straight rod of segments, 1 kg and 1 m, on a joint at its end.
+std::string rod(const std::string& kind, int elements, double young, const std::string& joint,
+                const std::string& gravity) {
+  return fmt::format(R"yaml(
+gravity: {}
+materials: {{stuff: {{young: {}, poisson: 0.3, density: 10000}}}}
+sections: {{square: {{type: rectangle, width: 0.01, height: 0.01}}}}
+bodies:
+  rod:
+    frame: {{at: [0, 0, 0]}}
+    flexible:
+      material: stuff
+      section: square
+      nodes: {{root: [0, 0, 0], tip: [0.48, -0.64, 0.6]}}
+      bars: {{all: {{from: root, to: tip, elements: {}}}}}
+      clamped: [root]
+      beam: {}
+joints:
+  root: {{{}, between: [ground, rod], at: [0, 0, 0]}}
+outputs: [{{name: tip, position: rod.tip, component: z}}]
+)yaml",
+                     gravity, young, elements, kind, joint);
+}
+
+/// Nothing resists the motions of a free rod but the round-off of its stiff parts: these are neither
+/// instabilities nor anything but rigid.
+TEST(Stability, RoundOffOfStiffPartsIsNoInstability) {
+  for (const char* kind : {"segments", "stretching_segments"})
+    for (const int elements : {2, 5, 8})
+      for (const double young : {1e8, 9e9, 2.1e11}) {
+        const auto model = model_of(rod(kind, elements, young, "type: floating", "[0, 0, 0]"));
+        const StaticResult r = static_equilibrium(model);
+        EXPECT_TRUE(r.stable) << kind << elements << ' ' << young;
+        EXPECT_THAT(r.warnings, IsEmpty()) << kind << elements << ' ' << young;
+        const LinearisedModes modes = find_modes(model);
+        EXPECT_EQ(std::count_if(modes.modes.begin(), modes.modes.end(),
+                                [](const Mode& m) { return m.kind == Mode::Kind::rigid; }),
+                  6)
+            << kind << elements << ' ' << young;
+      }
+}
+
+/// On its tip the same rod falls, λ² = 3/2 g/l, however stiff it is.
+TEST(Stability, OfAStiffRodOnItsTip) {
+  for (const char* kind : {"segments", "stretching_segments"}) {
+    const StaticResult r = static_equilibrium(
+        model_of(rod(kind, 8, 2.1e11, "type: universal, axis: [0.8, 0.6, 0], axis2: [-0.36, 0.48, 0.8]",
+                     "[-4.7088, 6.2784, -5.886]")));
+    EXPECT_FALSE(r.stable);
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2g", std::sqrt(1 / (1.5 * 9.81)));
+    EXPECT_THAT(r.warnings, ElementsAre(HasSubstr(text)));
   }
 }
 

@@ -37,6 +37,9 @@ using linear::Zeros;
 constexpr double nothing = 1e-9;
 /// Of a stiffness before it cancels: less is the residual of the equilibrium.
 constexpr double no_stiffness = 1e-8;
+/// Of the largest stiffness: a coordinate whose own is less has it by the round-off of stiff parts, and is
+/// judged as if it were this.
+constexpr double softest = 1e-4;
 /// Of the largest eigenvalue: what is real or imaginary but for that is so.
 constexpr double imaginary_round_off = 1e-10;
 /// Of the transition over a period, by its integration.
@@ -69,9 +72,10 @@ VectorXd state_scales(const linear::Reduced& r, const std::vector<double>& coord
 }
 
 /// At rest in the coordinates, K y + … z = 0 and the rates of z vanish: the rank of that matrix G, along
-/// scales that are sizes of stiffness before anything cancels. A vector begins a chain of two (it may drift)
-/// where the left null vectors see nothing of its damping: Lᵀ [C 0; −A_zs I] X singular.
-Zeros zeros_of(const linear::Linearised& at) {
+/// scales that are sizes of stiffness before anything cancels, by the coordinates' `scales`. A vector begins
+/// a chain of two (it may drift) where the left null vectors see nothing of its damping: Lᵀ [C 0; −A_zs I] X
+/// singular.
+Zeros zeros_of(const linear::Linearised& at, const VectorXd& scales) {
   const linear::Reduced& r = at.reduced;
   const Eigen::Index f = r.coordinates, z = r.states;
   const MatrixXd N = r.position.leftCols(f).cwiseAbs(), turn = at.derivatives.turn;
@@ -83,7 +87,9 @@ Zeros zeros_of(const linear::Linearised& at) {
   G.bottomLeftCorner(z, f) = r.A.block(2 * f, 0, z, f) + r.A.block(2 * f, f, z, f) * spin;
   G.bottomRightCorner(z, z) = r.A.block(2 * f, 2 * f, z, z);
   VectorXd rows = VectorXd::Ones(f + z), columns = rows;
-  const VectorXd sizes = (N.transpose() * at.derivatives.residual_q.cwiseAbs() * N).diagonal();
+  VectorXd sizes = (N.transpose() * at.derivatives.residual_q.cwiseAbs() * N).diagonal();
+  const VectorXd energies = sizes.cwiseProduct(scales.cwiseAbs2());
+  if (f > 0) sizes = energies.cwiseMax(softest * energies.maxCoeff()).cwiseQuotient(scales.cwiseAbs2());
   for (Eigen::Index k = 0; k < f; ++k)
     if (sizes[k] > 0) rows[k] = columns[k] = 1 / std::sqrt(sizes[k]);
   for (Eigen::Index k = f; k < f + z; ++k) {
@@ -206,7 +212,7 @@ std::vector<Mode> eigen_modes(const linear::Linearised& at, const Scales& scales
       Eigen::Map<const VectorXd>(scales.coordinates.data(), std::ssize(scales.coordinates));
   const Zeros zeros =
       rolls ? linear::zero_chains(r, sizes(at.independent), sizes(at.moving), scales.acceleration)
-            : zeros_of(at);
+            : zeros_of(at, sizes(at.independent));
   std::vector<Mode> modes =
       rigid_modes(linear::echelon(scale.cwiseInverse().asDiagonal() * zeros.vectors), r.coordinates, scale);
   const ComplexPairs pairs = pairs_of(A);
