@@ -123,6 +123,56 @@ TEST(SteadyModes, WarnOfABladeThatIsNotStiffened) {
   EXPECT_TRUE(steady_modes(model_of(blade("linear", 0))).model.warnings.empty());
 }
 
+/// The same of all beams that stiffen. In pieces the tension acts on their ends; it is missing within linear
+/// ones, which then warn.
+TEST(SteadyModes, OfABladeOfAnyBeam) {
+  const double eta = 12, pace = std::sqrt(1.2e9 * 0.01 * 0.01 / 12 / 1000);
+  const auto check = [&](const std::string& keys, bool flaps, bool lags, double share) {
+    std::string text = blade("linear", eta);
+    if (keys.find("ancf") != std::string::npos) text.replace(text.find("elements: 20"), 12, "elements: 6");
+    const std::string modes = "dynamic_modes: 12\n      stiffening: linear";
+    text.replace(text.find(modes), modes.size(), keys);
+    const LinearisedModes found = steady_modes(model_of(text));
+    EXPECT_TRUE(found.model.warnings.empty()) << keys << found.model.warnings.front();
+    const std::vector<double> all = frequencies(found);
+    for (const double flap : {13.1702, 37.6031}) {
+      const double lag = std::sqrt(flap * flap - eta * eta);
+      if (flaps) {
+        EXPECT_NEAR(nearest(all, flap * pace), flap * pace, share * flap * pace) << keys;
+      }
+      if (lags) {
+        EXPECT_NEAR(nearest(all, lag * pace), lag * pace, share * lag * pace) << keys;
+      }
+    }
+  };
+  check("beam: corotational", true, true, 5e-3);
+  check("beam: corotational\n      mass_matrix: lumped", true, true, 5e-3);
+  check("beam: ancf\n      planar: [0, 1, 0]", true, false, 5e-3);
+  check("beam: ancf\n      planar: [0, 0, 1]", false, true, 5e-3);
+  check("beam: ancf_cable", true, true, 5e-3);
+  check("stiffening: foreshortening\n      substructures: 5\n      dynamic_modes: 4", true, true, 5e-3);
+  check("stiffening: geometric_stiffness\n      substructures: 5\n      dynamic_modes: 4", true, true, 5e-3);
+  check("stiffening: nonlinear_stiffness_2\n      substructures: 5\n      dynamic_modes: 8", true, true,
+        5e-3);
+  // Of the second order of the elements' length; lagging, by the difference of squares, three times that.
+  check("beam: segments", true, false, 5e-3);
+  check("beam: segments", false, true, 15e-3);
+  check("beam: stretching_segments", true, true, 6e-3);
+}
+
+TEST(SteadyModes, WarnOfLinearPiecesThatStiffen) {
+  for (const int pieces : {2, 5, 10}) {
+    std::string text = blade("linear", 12);
+    const std::string modes = "dynamic_modes: 12";
+    text.replace(text.find(modes), modes.size(),
+                 fmt::format("substructures: {}\n      dynamic_modes: 2", pieces));
+    const LinearisedModes found = steady_modes(model_of(text));
+    ASSERT_FALSE(found.model.warnings.empty()) << pieces;
+    EXPECT_THAT(found.model.warnings.front(), testing::HasSubstr("stiffening by rotation or tension"));
+    EXPECT_THAT(found.model.warnings.front(), testing::HasSubstr("`stiffening: foreshortening` or more"));
+  }
+}
+
 /// A top that sleeps: seen from the ground its axis circles with (C Ω ± √(C²Ω² − 4 A m g l))/2A (A about the
 /// support).
 TEST(SteadyModes, OfATopThatSleeps) {

@@ -403,11 +403,21 @@ struct Reader {
     result.options.axial_dynamic_modes = *n - 1;
   }
 
-  /// One or two axial modes cannot follow the tension along a beam that turns.
+  /// One or two axial modes, or a few pieces with a tension each, cannot follow the tension along a beam that
+  /// turns.
   void warn_of_few_axial_modes(const Fields& fields) {
     const fe::Stiffening s = result.options.stiffening;
     if (s != fe::Stiffening::nonlinear_stiffness_1 && s != fe::Stiffening::nonlinear_stiffness_2) return;
-    if (result.substructures.count > 1 || axial_modes > 2) return;
+    if (result.substructures.count > 1) {
+      if (result.substructures.count < 5)
+        builder.warnings.push_back(
+            {result.substructures.mark,
+             fmt::format("{}: {} substructures show poorly how the tension varies along a bar, so that the "
+                         "frequencies of a turning beam are wrong; 5 are enough for one straight bar",
+                         value.what(), result.substructures.count)});
+      return;
+    }
+    if (axial_modes > 2) return;
     const auto at = axial_modes > 0 ? fields.get("axial_modes") : fields.get("stiffening");
     builder.warnings.push_back(
         {at->mark(),

@@ -313,17 +313,19 @@ std::string BodyValidity::warning() const {
     if (remedy.find(helps) == std::string::npos)
       remedy += (remedy.empty() ? "" : ", and ") + std::string(helps);
   };
-  const char* stressed = feels_stress_ ? "`static_modes` along the bars where forces act" : nonlinear();
+  const char* stressed = feels_stress_ ? "`static_modes` along the bars where forces act"
+                         : piece_      ? "`stiffening: foreshortening` or more `substructures`"
+                                       : nonlinear();
   if (passed_.deflection >= 0)
     add("deflection over length", worst_.deflection.value, deflection_limit_, passed_.deflection,
         nonlinear());
   if (!piece_ && passed_.foreshortening >= 0)
     add("shortening by bending over length", worst_.foreshortening.value, validity_limit::foreshortening,
         passed_.foreshortening, nonlinear());
-  if (!piece_ && passed_.tension >= 0)
+  if (passed_.tension >= 0)
     add("stiffening by rotation or tension", worst_.tension.value, validity_limit::load, passed_.tension,
         stressed);
-  if (!piece_ && passed_.compression >= 0)
+  if (passed_.compression >= 0)
     add("compression over buckling load", worst_.compression.value, validity_limit::load, passed_.compression,
         stressed);
   if (!piece_ && passed_.lag >= 0)
