@@ -1,5 +1,7 @@
 #pragma once
 #include <functional>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,19 @@ using ModesAt = std::function<LinearisedModes(double)>;
 
 /// The same by a solver that is given.
 using ModesBy = std::function<LinearisedModes(double, ModesSolver)>;
+
+/// Modes of a family at values that are asked for one after the other. Steady driving (LinearPoint::At::trim)
+/// is sought from that of the nearest value that is known: a condition or a parameter may then differ more
+/// from the start of the model than the search would go at once, and where there are several such motions
+/// they are those that go on.
+class NeighbouringModes {
+ public:
+  /// As find_modes(), of the model at this value of its condition or parameter.
+  LinearisedModes find(double value, std::shared_ptr<const Model> model, ModesOptions options);
+
+ private:
+  std::map<double, std::shared_ptr<const DrivingState>> driving_;
+};
 
 struct CampbellOptions {
   std::string parameter;  ///< its name, for people
@@ -59,7 +74,8 @@ struct CampbellDiagram {
 /// between values to 1e-6. A mode that grows only between two values is found where the damping of three
 /// values points to it, and where modes meet. Values are those of the ground; of a rotor that is not round,
 /// whose modes have two frequencies there, all are those of axes that turn with it, and a warning states so.
-/// Throws std::invalid_argument, and what `modes` throws.
+/// Throws std::invalid_argument, and what `modes` throws: a std::runtime_error with
+/// the value.
 CampbellDiagram campbell(const ModesAt& modes, const std::vector<double>& values,
                          const CampbellOptions& options = {});
 

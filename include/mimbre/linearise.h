@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <complex>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,9 +39,19 @@ struct TrimConditions {
   std::vector<std::string> find;               ///< inputs whose values are sought, each once; others stay
 };
 
+/// Steady driving that was found.
+struct DrivingState {
+  Eigen::VectorXd positions, velocities, element_states;  ///< relative coordinates
+  std::map<std::string, double> inputs;                   ///< all that were given or found
+  double speed = 0, yaw_rate = 0;                         ///< m/s; rad/s, to the left
+};
+
 struct LinearOptions {
   LinearPoint point;
   TrimConditions trim;  ///< of the point `trim`
+  /// Steady driving of a model with the same coordinates, under conditions that differ a little: the search
+  /// begins there, and at the start of the model only where that leads nowhere.
+  std::shared_ptr<const DrivingState> trim_near;
   /// Inputs; and of a run to a time its method. The linear model is always that of relative coordinates with
   /// inertia by shape integrals.
   RunOptions run;
@@ -87,6 +98,7 @@ struct LinearModel {
   /// By how much A varies along the motion, of its largest entry: 0 where its coefficients are constant. Not
   /// looked for (0) where the point is at rest or not steady.
   double varies = 0;
+  std::shared_ptr<const DrivingState> driving;  ///< of the point `trim`; else none
   std::vector<std::string> notes;     ///< what was done with delays, sampled blocks, laws of the user
   std::vector<std::string> warnings;  ///< no equilibrium, coefficients that vary, …
 };

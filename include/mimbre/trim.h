@@ -1,13 +1,18 @@
 #pragma once
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mimbre/channels.h"
 #include "mimbre/linearise.h"
 
 namespace mimbre {
+
+/// The condition of that name: speed, lateral_acceleration, yaw_rate or radius; null: there is none.
+std::optional<double>* held_condition(TrimConditions& conditions, std::string_view name);
 
 /// Steady driving of a model: what its inputs must be, and its outputs (docs/linear-analyses.md).
 struct TrimResult {

@@ -165,7 +165,7 @@ PointState state_of(const Compiled& m, relative::RelativeSystem& system, const L
   State& s = out.state;
   if (at == At::start) return out;
   if (at == At::trim) {
-    out.trim = find_trim(m, system, s, options.run.inputs, options.trim);
+    out.trim = find_trim(m, system, s, options.run.inputs, options.trim, options.trim_near.get());
     s = out.trim->state;
     out.words = fmt::format("steady driving at {:.6g} m/s", out.trim->speed);
     if (const double across = out.trim->yaw_rate * out.trim->speed; std::abs(across) > 1e-9)
@@ -174,7 +174,9 @@ PointState state_of(const Compiled& m, relative::RelativeSystem& system, const L
   }
   if (at == At::equilibrium || at == At::automatic) {
     if (can_rest(system, s)) {
+      // What the search puts straight, such as carcasses, it has to see.
       State found = s;
+      system.enter(found.u.data(), found.z.data(), 0);
       std::optional<StaticsStatus> status;
       try {
         status = equilibrium(nullptr, system, found);
@@ -186,6 +188,7 @@ PointState state_of(const Compiled& m, relative::RelativeSystem& system, const L
         found.a.setZero();
         return {found, "equilibrium", {}};
       }
+      system.enter(s.u.data(), s.z.data(), 0);
       if (at == At::equilibrium) throw std::runtime_error(explain_imbalance(m, nullptr, *status));
     } else if (at == At::equilibrium) {
       throw std::runtime_error(fmt::format(
@@ -401,6 +404,8 @@ Linearised locate(std::shared_ptr<const Model> model, const LinearOptions& optio
     out.yaw_rate = point.trim->yaw_rate;
     out.up = point.trim->up;
     out.steady_accelerations = point.trim->accelerations;
+    out.names.driving = std::make_shared<const DrivingState>(DrivingState{
+        out.state.q, out.state.v, out.state.z, point.trim->inputs, point.trim->speed, point.trim->yaw_rate});
   }
   commit(m, system, out.state);
   return out;

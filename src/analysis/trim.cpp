@@ -7,6 +7,14 @@
 
 namespace mimbre {
 
+std::optional<double>* held_condition(TrimConditions& conditions, std::string_view name) {
+  return name == "speed"                  ? &conditions.speed
+         : name == "lateral_acceleration" ? &conditions.lateral_acceleration
+         : name == "yaw_rate"             ? &conditions.yaw_rate
+         : name == "radius"               ? &conditions.radius
+                                          : nullptr;
+}
+
 TrimResult trim(std::shared_ptr<const Model> model, const TrimConditions& conditions,
                 const RunOptions& options) {
   const double start = thread_cpu_seconds();

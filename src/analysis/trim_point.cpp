@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "analysis/linear_point.h"
@@ -72,7 +73,10 @@ class TrimSearch {
  public:
   TrimSearch(const Compiled& m, relative::RelativeSystem& system, const State& start,
              const std::map<std::string, double>& inputs, const TrimConditions& conditions);
+  /// From the start.
   Trim run();
+  /// From a neighbour.
+  Trim run_from(const DrivingState& near);
 
  private:
   /// Values and derivatives by (y, s, z, u; Ω) of what has to vanish.
@@ -129,6 +133,10 @@ class TrimSearch {
   Iterate moved(const Iterate& from, const Newton& newton, const VectorXd& x, double share);
   bool improve(Iterate& at);
   double further_on(const Iterate& at);
+  /// What drives prescribe, and loops closed.
+  void close(State& s);
+  Iterate begin(const State& s, std::map<std::string, double> inputs, double yaw_rate);
+  Trim search(Iterate at);
 
   const Compiled& m_;
   relative::RelativeSystem& system_;
@@ -416,6 +424,15 @@ TrimSearch::Newton TrimSearch::newton(Iterate& at) {
   return out;
 }
 
+void TrimSearch::close(State& s) {
+  system_.enter(s.u.data(), s.z.data(), 0);
+  system_.begin_step(s.q.data());
+  if (m_.equations == 0) return;
+  const VectorXd ready = Eigen::Map<const VectorXd>(scales_.coordinates.data(), m_.velocities);
+  close_positions(system_, s.time, ready, s.q);
+  close_velocities(system_, s.time, s.q, ready, s.v);
+}
+
 /// The point by the share of a step of the unknowns x.
 TrimSearch::Iterate TrimSearch::moved(const Iterate& from, const Newton& newton, const VectorXd& x,
                                       double share) {
@@ -437,15 +454,8 @@ TrimSearch::Iterate TrimSearch::moved(const Iterate& from, const Newton& newton,
   out.inputs = from.inputs;
   for (std::size_t k = 0; k < found_.size(); ++k)
     out.inputs[m_.spec().inputs[static_cast<std::size_t>(found_[k])].name] += share * x[newton.columns[k]];
-  // What drives follow.
   set_inputs(out.inputs, next);
-  system_.enter(next.u.data(), next.z.data(), 0);
-  system_.begin_step(next.q.data());
-  if (m_.equations > 0) {
-    const VectorXd ready = Eigen::Map<const VectorXd>(scales_.coordinates.data(), m_.velocities);
-    close_positions(system_, next.time, ready, next.q);
-    close_velocities(system_, next.time, next.q, ready, next.v);
-  }
+  close(next);
   out.linear = at(next, out.inputs, &l);
   out.yaw_rate = from.yaw_rate + share * x[all];
   out.equations = equations(out.linear, out.yaw_rate);
@@ -502,15 +512,44 @@ double TrimSearch::further_on(const Iterate& at) {
   return equations(this->at(s, at.inputs, &at.linear), at.yaw_rate).values.cwiseAbs().maxCoeff();
 }
 
+TrimSearch::Iterate TrimSearch::begin(const State& s, std::map<std::string, double> inputs, double yaw_rate) {
+  Iterate out;
+  out.inputs = std::move(inputs);
+  out.yaw_rate = yaw_rate;
+  out.linear = at(s, out.inputs);
+  out.equations = equations(out.linear, out.yaw_rate);
+  return out;
+}
+
 Trim TrimSearch::run() {
-  Iterate at;
-  at.inputs = inputs_;
-  at.yaw_rate = wanted_.yaw_rate               ? *wanted_.yaw_rate
-                : wanted_.lateral_acceleration ? *wanted_.lateral_acceleration / speed_
-                : wanted_.radius               ? speed_ / *wanted_.radius
-                                               : 0;
-  at.linear = this->at(start_, at.inputs);
-  at.equations = equations(at.linear, at.yaw_rate);
+  const double yaw_rate = wanted_.yaw_rate               ? *wanted_.yaw_rate
+                          : wanted_.lateral_acceleration ? *wanted_.lateral_acceleration / speed_
+                          : wanted_.radius               ? speed_ / *wanted_.radius
+                                                         : 0;
+  return search(begin(start_, inputs_, yaw_rate));
+}
+
+Trim TrimSearch::run_from(const DrivingState& near) {
+  State s = start_;
+  if (near.positions.size() != s.q.size() || near.velocities.size() != s.v.size() ||
+      near.element_states.size() != s.z.size())
+    throw std::runtime_error(
+        "no steady driving was found: the model has other coordinates than its neighbour");
+  const double faster = wanted_.speed && near.speed > 0 ? speed_ / near.speed : 1;
+  s.q = near.positions;
+  s.v = faster * near.velocities;
+  s.z = near.element_states;
+  std::map<std::string, double> inputs = inputs_;
+  for (const int input : found_) {
+    const std::string& name = m_.spec().inputs[static_cast<std::size_t>(input)].name;
+    if (const auto known = near.inputs.find(name); known != near.inputs.end()) inputs[name] = known->second;
+  }
+  set_inputs(inputs, s);
+  close(s);
+  return search(begin(s, std::move(inputs), faster * near.yaw_rate));
+}
+
+Trim TrimSearch::search(Iterate at) {
   Trim out;
   bool done = false;
   while (!done && out.iterations < trim_rounds) {
@@ -557,8 +596,17 @@ Trim TrimSearch::run() {
 }  // namespace
 
 Trim find_trim(const Compiled& m, relative::RelativeSystem& system, const State& start,
-               const std::map<std::string, double>& inputs, const TrimConditions& conditions) {
-  return TrimSearch(m, system, start, inputs, conditions).run();
+               const std::map<std::string, double>& inputs, const TrimConditions& conditions,
+               const DrivingState* near) {
+  TrimSearch search(m, system, start, inputs, conditions);
+  if (near) try {
+      return search.run_from(*near);
+    } catch (const InputError&) {
+      throw;
+    } catch (const std::runtime_error&) {
+      // From the start, then.
+    }
+  return search.run();
 }
 
 }  // namespace mimbre::linear

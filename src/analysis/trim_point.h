@@ -23,10 +23,11 @@ struct Trim {
   double residual = 0;  ///< largest relative acceleration that is left, of those at play
 };
 
-/// By Newton's method on the exact linear equations, from `start` (the joints that turn there go on turning)
-/// with its velocities scaled to the speed. Throws InputError for conditions that do not go together,
-/// std::runtime_error where it finds none.
+/// By Newton's method on the exact linear equations, from `near`, where there is one and it leads anywhere,
+/// else from `start` with its velocities scaled to the speed. The joints that turn at the start go on
+/// turning. Throws InputError for conditions that do not go together, std::runtime_error where it finds none.
 Trim find_trim(const Compiled& model, relative::RelativeSystem& system, const State& start,
-               const std::map<std::string, double>& inputs, const TrimConditions& conditions);
+               const std::map<std::string, double>& inputs, const TrimConditions& conditions,
+               const DrivingState* near = nullptr);
 
 }  // namespace mimbre::linear

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <complex>
+#include <string>
+#include <vector>
 
 #include "mimbre/model_file.h"
 #include "mimbre/modes.h"
@@ -62,6 +64,31 @@ TEST(VehicleModes, AreThePublishedOnesWithSofterSprings) {
   EXPECT_EQ(leaves, 4);
   EXPECT_EQ(absorbers, 4);
   for (const double off : distances(spec)) EXPECT_LT(off, 0.02);
+}
+
+/// Parked on a slope its brakes and carcasses hold it. The equilibrium has them bent, and nothing is left
+/// that accelerates; no motion is rigid, also where links bend, whose stiffness is 1e7 times that of the
+/// ride.
+TEST(VehicleModes, ParkedOnASlope) {
+  std::vector<std::vector<std::complex<double>>> slow;
+  for (const std::string kind : {"rigid", "flexible"}) {
+    ModesOptions options;
+    const LinearisedModes found =
+        find_modes(example("iltis/slope.yaml", {{"arms", kind}, {"links", kind}, {"rods", kind}}), options);
+    EXPECT_EQ(found.model.point, "equilibrium");
+    EXPECT_TRUE(found.model.warnings.empty()) << kind << found.model.warnings.front();
+    EXPECT_LT(found.model.unsteady, 1e-6) << kind;
+    slow.emplace_back();
+    for (const Mode& m : found.modes) {
+      EXPECT_NE(m.kind, Mode::Kind::rigid) << kind << m.text;
+      EXPECT_FALSE(m.grows) << kind << m.text;
+      if (m.kind == Mode::Kind::oscillating && slow.back().size() < 3) slow.back().push_back(m.value);
+    }
+  }
+  ASSERT_EQ(slow[0].size(), 3u);
+  ASSERT_EQ(slow[1].size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_LE(std::abs(slow[1][k] - slow[0][k]), 0.03 * std::abs(slow[0][k])) << slow[1][k];
 }
 
 }  // namespace

@@ -1,6 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "app/output_schema.h"
 #include "app/program.h"
 
@@ -67,6 +71,45 @@ TEST_F(LinearCommands, TrimFollowsTheSchemaAndModesTakeItsPoint) {
   words.back() = "--at";
   words.emplace_back("start");
   EXPECT_EQ(run(words).code, 2);
+}
+
+/// The Iltis has a parameter `speed`, that of its start: the condition has to be named as one.
+TEST_F(LinearCommands, FollowsModesOverAHeldCondition) {
+  std::vector<std::string> words{"modes", MIMBRE_SOURCE_DIR "/examples/iltis/steady.yaml"};
+  for (const char* part : {"arms=rigid", "links=rigid", "rods=rigid"})
+    words.insert(words.end(), {"--set", part});
+  words.insert(words.end(), {"--hold", "speed=10", "--find", "throttle", "--json", "--most", "8", "--over"});
+  const auto with = [&](const std::string& over) {
+    std::vector<std::string> all = words;
+    all.push_back(over);
+    return run(all);
+  };
+  const Outcome outcome = with("hold.speed=10:20:3");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  expect_schema(outcome.out);
+  const test::Json found = outcome.json();
+  EXPECT_EQ(found.at("parameter"), "speed");
+  EXPECT_EQ(found.at("values"), (std::vector<double>{10, 15, 20}));
+  // The speed that the throttle lets go: half as fast at twice the speed.
+  double slowest[2] = {-1, -1};
+  for (const test::Json branch : found.at("branches"))
+    for (const int k : {0, 2}) {
+      const test::Json real = branch.at("real")[k];
+      if (real.is_number() && real < -1e-6) slowest[k / 2] = std::max(slowest[k / 2], real.number());
+    }
+  EXPECT_NEAR(slowest[0], -0.0119, 2e-4);
+  EXPECT_NEAR(slowest[1], -0.00595, 1e-4);
+  const Outcome both = with("speed=10:20:3");
+  EXPECT_EQ(both.code, 2);
+  EXPECT_THAT(both.err + both.out,
+              HasSubstr("write hold.speed for the condition, model.speed for the parameter"));
+  EXPECT_EQ(with("model.speed=10:12:2").code, 0);
+  const Outcome unknown = with("hold.sped=10:20:3");
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err + unknown.out, HasSubstr("yaw_rate or radius can be held"));
+  const Outcome sought = with("throttle=0:1:3");
+  EXPECT_EQ(sought.code, 2);
+  EXPECT_THAT(sought.err + sought.out, HasSubstr("--find looks for this input"));
 }
 
 TEST_F(LinearCommands, RefusesWhatIsNoPoint) {

@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "analysis/modes/mode_likeness.h"
+#include "mimbre/diagnostics.h"
 
 namespace mimbre {
 namespace {
@@ -120,9 +123,19 @@ class Tracking {
     return {nan, nan};
   }
 
+  LinearisedModes modes_at(double value) const {
+    try {
+      return modes_(value);
+    } catch (const InputError&) {
+      throw;
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(fmt::format("{} = {:.6g}: {}", options_.parameter, value, error.what()));
+    }
+  }
+
   Stand evaluate_once(double value) {
     ++out_.evaluations;
-    LinearisedModes found = modes_(value);
+    LinearisedModes found = modes_at(value);
     for (const std::string& warning : found.model.warnings) warn(warning);
     return {value,
             std::move(found.modes),
@@ -586,6 +599,20 @@ CampbellDiagram campbell(const ModesAt& modes, const std::vector<double>& values
     throw std::invalid_argument(
         "campbell: two or more finite values, each larger than the one before, are needed");
   return Tracking(modes, options).run(values);
+}
+
+LinearisedModes NeighbouringModes::find(double value, std::shared_ptr<const Model> model,
+                                        ModesOptions options) {
+  if (options.linear.point.at == LinearPoint::At::trim && !driving_.empty()) {
+    auto nearest = driving_.lower_bound(value);
+    if (nearest == driving_.end() ||
+        (nearest != driving_.begin() && value - std::prev(nearest)->first < nearest->first - value))
+      --nearest;
+    options.linear.trim_near = nearest->second;
+  }
+  LinearisedModes found = find_modes(std::move(model), options);
+  if (found.model.driving) driving_[value] = found.model.driving;
+  return found;
 }
 
 int with_neighbours(int most) { return most > 0 ? most + std::max(4, most / 5) : 0; }

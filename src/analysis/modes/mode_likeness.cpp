@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "math/once/decompositions.h"
 #include "math/once/general_eigen.h"
 
 namespace mimbre::linear {
@@ -27,6 +28,34 @@ bool meets(const Mode& mode) { return mode.left.cwiseProduct(mode.shape).cwiseAb
 std::complex<double> nearest_multiple(std::complex<double> value, double turn, std::complex<double> to) {
   if (!(turn > 0)) return value;
   return {value.real(), value.imag() + turn * std::round((to.imag() - value.imag()) / turn)};
+}
+
+/// Any combination of rigid motions is one: takes those that go on, where all of them do.
+void align_rigid(std::vector<Mode>& modes, const std::vector<Mode>& to) {
+  const auto rigid_of = [](const std::vector<Mode>& of) {
+    std::vector<std::size_t> out;
+    for (std::size_t k = 0; k < of.size(); ++k)
+      if (of[k].kind == Mode::Kind::rigid) out.push_back(k);
+    return out;
+  };
+  const std::vector<std::size_t> here = rigid_of(modes), there = rigid_of(to);
+  if (here.empty() || here.size() != there.size() || !comparable(modes[here[0]], to[there[0]])) return;
+  const auto n = static_cast<Eigen::Index>(here.size());
+  const auto columns = [n](const std::vector<Mode>& of, const std::vector<std::size_t>& which,
+                           Eigen::VectorXcd Mode::*vector) {
+    MatrixXcd out((of[which[0]].*vector).size(), n);
+    for (Eigen::Index k = 0; k < n; ++k) out.col(k) = of[which[static_cast<std::size_t>(k)]].*vector;
+    return out;
+  };
+  const MatrixXcd shapes = columns(modes, here, &Mode::shape), motions = columns(modes, here, &Mode::motion),
+                  wanted = columns(to, there, &Mode::shape);
+  const Eigen::MatrixXd by = shortest_solution(shapes.real(), wanted.real(), 1e-12);
+  if ((shapes.real() * by - wanted.real()).norm() > 1e-6 * wanted.norm()) return;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    Mode& mode = modes[here[static_cast<std::size_t>(k)]];
+    mode.shape = shapes * by.col(k).cast<std::complex<double>>();
+    mode.motion = motions * by.col(k).cast<std::complex<double>>();
+  }
 }
 
 }  // namespace
@@ -77,6 +106,7 @@ std::vector<std::vector<std::size_t>> clusters_of(const std::vector<Mode>& modes
 }
 
 void align(std::vector<Mode>& modes, const std::vector<Mode>& to) {
+  align_rigid(modes, to);
   for (const std::vector<std::size_t>& cluster : clusters_of(modes)) {
     std::vector<std::pair<double, std::size_t>> nearest;
     for (std::size_t j = 0; j < to.size(); ++j) {

@@ -17,8 +17,8 @@ void go_on_from(const Mode& from, double turn, Mode& to);
 /// Modes of equal eigenvalues, which have no shapes of their own; not those that have one shape in common.
 std::vector<std::vector<std::size_t>> clusters_of(const std::vector<Mode>& modes);
 
-/// Gives modes of equal eigenvalues the shapes that are nearest to those of `to`: X ← X (L Y), for the
-/// vectors Y of `to` that lie most in their space.
+/// Gives rigid modes, if there are as many, the shapes of those of `to`, and modes of equal eigenvalues those
+/// that are nearest to those of `to`: X ← X (L Y), for the vectors Y of `to` that lie most in their space.
 void align(std::vector<Mode>& modes, const std::vector<Mode>& to);
 
 }  // namespace mimbre::linear

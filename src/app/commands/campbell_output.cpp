@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -13,7 +15,9 @@
 #include "app/terminal/table.h"
 #include "mimbre/assembly.h"
 #include "mimbre/campbell.h"
+#include "mimbre/diagnostics.h"
 #include "mimbre/model_file.h"
+#include "mimbre/trim.h"
 
 namespace mimbre::app {
 namespace {
@@ -100,49 +104,129 @@ std::string to_text_of(const CampbellDiagram& d) {
   return text;
 }
 
+/// What --over varies.
+struct Varied {
+  enum class Kind { parameter, input, condition } kind = Kind::parameter;
+  std::string name;
+};
+
+bool is_input(const Model& model, const std::string& name) {
+  const std::vector<spec::Input>& inputs = model.spec().inputs;
+  return std::any_of(inputs.begin(), inputs.end(), [&](const spec::Input& i) { return i.name == name; });
+}
+
+/// Whether the file has such a parameter.
+bool is_parameter(const std::string& path, const std::vector<std::string>& settings, const std::string& name,
+                  double value) {
+  std::map<std::string, std::string> changed = overrides(settings);
+  changed[name] = fmt::format("{:.17g}", value);
+  try {
+    load_model(path, changed);
+  } catch (const InputError& error) {
+    return std::none_of(error.diagnostics().begin(), error.diagnostics().end(), [&](const Diagnostic& d) {
+      return d.message.starts_with(fmt::format("there is no parameter '{}'", name));
+    });
+  }
+  return true;
+}
+
+/// "hold.NAME" is a held condition, "model.NAME" an input or parameter. NAME alone is what the model has,
+/// else a condition; refused where the model has it and --hold names it, too.
+Varied varied(const Range& range, const std::string& path, const std::vector<std::string>& settings,
+              const PointArguments& point, const Model& model) {
+  using Kind = Varied::Kind;
+  TrimConditions none;
+  std::string name = range.name;
+  const std::string hold = "hold.", of_model = "model.";
+  if (name.starts_with(hold)) {
+    name.erase(0, hold.size());
+    if (!held_condition(none, name))
+      throw UsageError(fmt::format(
+          "--over {}: of steady driving speed, lateral_acceleration, yaw_rate or radius can be held",
+          range.name));
+    return {Kind::condition, name};
+  }
+  const bool unambiguous = name.starts_with(of_model);
+  if (unambiguous) name.erase(0, of_model.size());
+  if (is_input(model, name)) {
+    if (std::find(point.find.begin(), point.find.end(), name) != point.find.end())
+      throw UsageError(fmt::format("--over {}: --find looks for this input", range.name));
+  }
+  const Kind kind = is_input(model, name) ? Kind::input : Kind::parameter;
+  if (unambiguous || !drives_steadily(point) || !held_condition(none, name)) return {kind, name};
+  if (kind == Kind::parameter && !is_parameter(path, settings, name, range.values.front()))
+    return {Kind::condition, name};
+  if (std::any_of(point.hold.begin(), point.hold.end(),
+                  [&](const std::string& held) { return held.starts_with(name + "="); }))
+    throw UsageError(fmt::format(
+        "--over {0}: the model has {1} '{0}', and --hold names that condition; write hold.{0} for the "
+        "condition, model.{0} for the {2} of the model",
+        name, kind == Kind::input ? "an input" : "a parameter", kind == Kind::input ? "input" : "parameter"));
+  return {kind, name};
+}
+
+/// The point, of which the condition that is varied has the first value.
+PointArguments with_condition(PointArguments point, const Varied& over, double value) {
+  if (over.kind != Varied::Kind::condition) return point;
+  std::erase_if(point.hold, [&](const std::string& held) { return held.starts_with(over.name + "="); });
+  point.hold.push_back(fmt::format("{}={:.17g}", over.name, value));
+  return point;
+}
+
+CampbellOptions diagram_options(const CampbellArguments& over, const std::string& parameter) {
+  CampbellOptions out;
+  out.parameter = parameter;
+  out.most = over.most;
+  out.rad_per_second = over.speed == "rpm"  ? std::numbers::pi / 30
+                       : over.speed == "Hz" ? 2 * std::numbers::pi
+                       : over.speed.empty() ? 0
+                                            : 1;
+  return out;
+}
+
+CampbellDiagram follow(const ModesBy& by, const std::vector<double>& values, const CampbellArguments& over,
+                       const CampbellOptions& options, bool driven) {
+  try {
+    // Only equilibria have a sparse solver.
+    const bool few = !driven && (over.most > 0 || over.solver != ModesSolver::automatic);
+    const ModesSolver solver = few ? one_solver(by, values.front(), values.back(), over.solver)
+                               : over.solver == ModesSolver::sparse ? over.solver
+                                                                    : ModesSolver::dense;
+    return campbell([&](double value) { return by(value, solver); }, values, options);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw Failure(error.what());
+  }
+}
+
 }  // namespace
 
 int run_campbell(const std::string& path, const std::vector<std::string>& settings,
                  const CampbellArguments& over, const PointArguments& point, bool json, bool strict) {
   const Range range = range_of(over.over);
   const LoadedModel loaded = load(path, settings, json);
+  const Varied of = varied(range, path, settings, point, *loaded.model);
   ModesOptions options;
-  options.linear = linear_options(point, loaded.model->spec().simulation);
+  options.linear =
+      linear_options(with_condition(point, of, range.values.front()), loaded.model->spec().simulation);
   options.most = with_neighbours(over.most);
-  bool is_input = false;
-  for (const spec::Input& input : loaded.model->spec().inputs)
-    is_input = is_input || input.name == range.name;
+  NeighbouringModes modes;
   const ModesBy by = [&](double value, ModesSolver solver) {
     ModesOptions here = options;
     here.solver = solver;
-    if (is_input) {
-      here.linear.run.inputs[range.name] = value;
-      return find_modes(loaded.model, here);
-    }
+    if (of.kind == Varied::Kind::condition) *held_condition(here.linear.trim, of.name) = value;
+    if (of.kind == Varied::Kind::input) here.linear.run.inputs[of.name] = value;
+    if (of.kind != Varied::Kind::parameter) return modes.find(value, loaded.model, here);
     std::map<std::string, std::string> changed = overrides(settings);
-    changed[range.name] = fmt::format("{:.17g}", value);
-    return find_modes(Model::compile(brought_together(load_model(path, changed))), here);
+    changed[of.name] = fmt::format("{:.17g}", value);
+    return modes.find(value, Model::compile(brought_together(load_model(path, changed))), here);
   };
-  CampbellOptions diagram;
-  diagram.parameter = range.name;
-  diagram.most = over.most;
-  diagram.rad_per_second = over.speed == "rpm"  ? std::numbers::pi / 30
-                           : over.speed == "Hz" ? 2 * std::numbers::pi
-                           : over.speed.empty() ? 0
-                                                : 1;
   CampbellDiagram found;
   {
     const Busy busy("following the modes", !json);
-    try {
-      const bool few = over.most > 0 || over.solver != ModesSolver::automatic;
-      const ModesSolver solver =
-          few ? one_solver(by, range.values.front(), range.values.back(), over.solver) : ModesSolver::dense;
-      found = campbell([&](double value) { return by(value, solver); }, range.values, diagram);
-    } catch (const InputError&) {
-      throw;
-    } catch (const std::runtime_error& error) {
-      throw Failure(error.what());
-    }
+    found = follow(by, range.values, over, diagram_options(over, of.name),
+                   options.linear.point.at == LinearPoint::At::trim);
   }
   for (const std::string& warning : found.warnings) print_warning(warning);
   print_data(json ? to_text(to_json(found)) + '\n' : to_text_of(found));

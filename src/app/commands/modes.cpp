@@ -197,8 +197,8 @@ Command add_modes(CommandLine& program) {
   parser
       .add_option(
           "--over", a->campbell.over,
-          "A parameter or input from one value to another, with so many values: modes followed by their "
-          "shapes, and where one begins to grow")
+          "A parameter, an input or a held condition from one value to another, with so many values: modes "
+          "followed by their shapes, and where one begins to grow")
       .type_name("NAME=FROM:TO:COUNT");
   parser
       .add_option(
@@ -220,7 +220,8 @@ Command add_modes(CommandLine& program) {
   add_point_options(parser, a->point);
   parser.footer(
       "Examples:\n  mimbre modes car.yaml\n  mimbre modes rotor.yaml --over rpm=0:4000:41 --speed rpm\n"
-      "  mimbre modes car.yaml -o shapes.html");
+      "  mimbre modes car.yaml -o shapes.html\n"
+      "  mimbre modes car.yaml --find throttle --over hold.speed=5:40:36");
   return {parser, [a] { return run_modes(*a); }};
 }
 

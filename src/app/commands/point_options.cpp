@@ -7,6 +7,7 @@
 #include "app/common.h"
 #include "app/method_options.h"
 #include "app/start_inputs.h"
+#include "mimbre/trim.h"
 #include "mimbre/usage_error.h"
 
 namespace mimbre::app {
@@ -26,6 +27,10 @@ void add_trim_options(Parser& parser, PointArguments& a) {
       .type_name("BODY");
 }
 
+bool drives_steadily(const PointArguments& a) {
+  return !a.hold.empty() || !a.find.empty() || !a.body.empty();
+}
+
 TrimConditions trim_conditions(const PointArguments& a) {
   TrimConditions out;
   out.body = a.body;
@@ -33,11 +38,7 @@ TrimConditions trim_conditions(const PointArguments& a) {
   for (const std::string& text : a.hold) {
     const std::size_t sign = text.find('=');
     const std::string name = text.substr(0, sign);
-    std::optional<double>* const condition = name == "speed"                  ? &out.speed
-                                             : name == "lateral_acceleration" ? &out.lateral_acceleration
-                                             : name == "yaw_rate"             ? &out.yaw_rate
-                                             : name == "radius"               ? &out.radius
-                                                                              : nullptr;
+    std::optional<double>* const condition = held_condition(out, name);
     if (sign == std::string::npos || !condition)
       throw UsageError(fmt::format(
           "--hold {}: speed, lateral_acceleration, yaw_rate or radius with a value is needed, as in speed=20",
@@ -83,7 +84,7 @@ LinearOptions linear_options(const PointArguments& a, const spec::Simulation& gi
         number_of(a.at, fmt::format("--at {}: equilibrium, steady, start or a time in s is needed", a.at));
     if (options.point.time < 0) throw UsageError(fmt::format("--at {}: the time is negative", a.at));
   }
-  if (!a.hold.empty() || !a.find.empty() || !a.body.empty()) {
+  if (drives_steadily(a)) {
     if (options.point.at != At::automatic && options.point.at != At::steady)
       throw UsageError("--hold, --find and --body: of steady driving, --at steady");
     options.point.at = At::trim;

@@ -19,6 +19,8 @@ struct PointArguments {
 
 /// --hold, --find and --body of steady driving.
 void add_trim_options(Parser& parser, PointArguments& arguments);
+/// Whether one of them is given.
+bool drives_steadily(const PointArguments& arguments);
 /// Throws UsageError for conditions that are none.
 TrimConditions trim_conditions(const PointArguments& arguments);
 
