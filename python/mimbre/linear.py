@@ -33,6 +33,7 @@ Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
 
 _words = ("equilibrium", "steady", "start")
+_conditions = ("speed", "lateral_acceleration", "yaw_rate", "radius")
 _speeds = {"rad/s": 1.0, "rpm": math.pi / 30, "Hz": 2 * math.pi}
 
 
@@ -325,6 +326,30 @@ def _point(at: object) -> tuple[str, float]:
     return "time", time
 
 
+def _driving(hold: object, find: object, body: object) -> _core.TrimConditions:
+    """Conditions of steady driving."""
+    conditions = _core.TrimConditions()
+    held = _checks.mapping("hold", {} if hold is None else hold, "a number for each condition")
+    for name, value in held.items():
+        conditions.hold(_checks.known("condition of steady driving", name, _conditions), _checks.number(name, value))
+    conditions.find = _checks.names("find", () if find is None else find)
+    conditions.body = "" if body is None else _checks.text("body", body)
+    return conditions
+
+
+def _driven_point(
+    at: object, hold: object, find: object, body: object
+) -> tuple[str, float, _core.TrimConditions | None]:
+    """A point, and the conditions if it is steady driving."""
+    word, time = _point(at)
+    if hold is None and find is None and body is None:
+        return word, time, None
+    driving = _driving(hold, find, body)
+    if word not in ("automatic", "steady"):
+        raise InputError(f"at: is {at!r}; hold, find and body are those of steady driving, at='steady'")
+    return word, time, driving
+
+
 def _inputs(inputs: object) -> dict[str, float]:
     given = _checks.mapping("inputs", inputs or {}, "a number for each name")
     return {name: _checks.number(f"inputs: {name}", value) for name, value in given.items()}
@@ -350,13 +375,18 @@ def linearise(
     model: Model,
     *,
     at: Point = None,
+    hold: Mapping[str, float] | None = None,
+    find: Sequence[str] | None = None,
+    body: str | None = None,
     inputs: Mapping[str, float] | None = None,
     delay_order: int = 4,
     **method: Unpack[Method],
 ) -> LinearModel:
     """The linear model about a point, as `mimbre linearise`; see `Model.linearise`."""
-    word, time = _point(at)
-    found = _core.linearise(compiled(model), checked_method(method), word, time, _inputs(inputs), _order(delay_order))
+    word, time, driving = _driven_point(at, hold, find, body)
+    found = _core.linearise(
+        compiled(model), checked_method(method), word, time, _inputs(inputs), _order(delay_order), driving
+    )
     (states, state_units), (given, input_units), (outputs, output_units) = (
         ([name for name, _ in names], [unit for _, unit in names])
         for names in (found.states, found.inputs, found.outputs)
@@ -391,15 +421,18 @@ def modes(
     model: Model,
     *,
     at: Point = None,
+    hold: Mapping[str, float] | None = None,
+    find: Sequence[str] | None = None,
+    body: str | None = None,
     most: int | None = None,
     inputs: Mapping[str, float] | None = None,
     delay_order: int = 4,
     **method: Unpack[Method],
 ) -> Modes:
     """The modes about a point, as `mimbre modes`; see `Model.modes`."""
-    word, time = _point(at)
+    word, time, driving = _driven_point(at, hold, find, body)
     found = _core.modes(
-        compiled(model), checked_method(method), word, time, _inputs(inputs), _order(delay_order), _most(most)
+        compiled(model), checked_method(method), word, time, _inputs(inputs), _order(delay_order), _most(most), driving
     )
     listed = [
         EigenMode(
@@ -461,9 +494,9 @@ def trim(
     inputs: Mapping[str, float] | None = None,
 ) -> Trim:
     """Inputs of steady driving, as `mimbre trim`; see `Model.trim`."""
-    found = _core.trim(
-        compiled(model), body or "", speed, lateral_acceleration, yaw_rate, radius, list(find), _inputs(inputs)
-    )
+    given = zip(_conditions, (speed, lateral_acceleration, yaw_rate, radius), strict=True)
+    conditions = _driving({name: value for name, value in given if value is not None}, find, body)
+    found = _core.trim(compiled(model), conditions, _inputs(inputs))
     outputs = {name: value for name, value, _ in found.outputs}
     units = {name: unit for name, _, unit in found.outputs}
     return Trim(
@@ -478,6 +511,36 @@ def trim(
     )
 
 
+def _is_parameter(model: Model, name: str, value: float) -> bool:
+    """Whether its file has such a parameter."""
+    try:
+        model._with({name: value})
+    except InputError as error:
+        return f"there is no parameter '{name}'" not in str(error)
+    return True
+
+
+def _varied(
+    model: Model, name: str, value: float, driving: _core.TrimConditions | None, held: set[str]
+) -> tuple[Literal["parameter", "input", "condition"], str]:
+    """What `campbell` varies: "hold.NAME" is a held condition, "model.NAME" an input or a parameter. NAME alone is what
+    the model has, else a condition; refused where the model has it and it is held, too."""
+    if name.startswith("hold."):
+        return "condition", _checks.known("condition of steady driving", name.removeprefix("hold."), _conditions)
+    plain = name.removeprefix("model.")
+    kind: Literal["parameter", "input"] = "input" if plain in model.inputs else "parameter"
+    if plain != name or driving is None or plain not in _conditions:
+        return kind, plain
+    if kind == "parameter" and not _is_parameter(model, plain, value):
+        return "condition", plain
+    if plain in held:
+        raise InputError(
+            f"{plain}: the model has {'an' if kind == 'input' else 'a'} {kind} {plain!r}, and hold names that "
+            f"condition; write 'hold.{plain}' for the condition, 'model.{plain}' for the {kind} of the model"
+        )
+    return kind, plain
+
+
 def campbell(
     model: Model,
     parameter: str,
@@ -486,23 +549,30 @@ def campbell(
     speed: Literal["rad/s", "rpm", "Hz"] | None = None,
     orders: Sequence[float] = (1.0,),
     at: Point = None,
+    hold: Mapping[str, float] | None = None,
+    find: Sequence[str] | None = None,
+    body: str | None = None,
     most: int | None = None,
     inputs: Mapping[str, float] | None = None,
     delay_order: int = 4,
     **method: Unpack[Method],
 ) -> CampbellDiagram:
     """Modes over a parameter, as `mimbre modes --over`; see `Model.campbell`."""
-    word, time = _point(at)
+    word, time, driving = _driven_point(at, hold, find, body)
     name = _checks.text("parameter", parameter)
     wanted = _checks.array("values", values)
     if len(wanted) < 2 or not (np.diff(wanted) > 0).all():
         raise InputError("values: two or more values, each larger than the one before, are needed")
     unit = 0.0 if speed is None else _speeds[_checks.known("unit of speed", speed, _speeds)]
     held = compiled(model)
-    is_input = name in model.inputs
+    kind, name = _varied(model, name, float(wanted[0]), driving, set(hold or ()))
+    if kind == "condition":
+        word, time, driving = _driven_point(at, {**(hold or {}), name: float(wanted[0])}, find, body)
+    elif kind == "input" and driving is not None and name in driving.find:
+        raise InputError(f"{parameter}: find looks for this input")
 
     def model_at(value: float) -> _core.Model:
-        return held if is_input else compiled(model._with({name: value}))
+        return compiled(model._with({name: value})) if kind == "parameter" else held
 
     found = _core.campbell(
         model_at,
@@ -514,9 +584,11 @@ def campbell(
         word,
         time,
         _inputs(inputs),
-        name if is_input else "",
+        name if kind == "input" else "",
+        name if kind == "condition" else "",
         _most(most),
         _order(delay_order),
+        driving,
     )
     return CampbellDiagram(
         name,

@@ -323,6 +323,9 @@ class Model:
         self,
         *,
         at: Point = None,
+        hold: Mapping[str, float] | None = None,
+        find: Sequence[str] | None = None,
+        body: str | None = None,
         inputs: Mapping[str, float] | None = None,
         delay_order: int = 4,
         **method: Unpack[Method],
@@ -332,6 +335,10 @@ class Model:
         Args:
             at: "equilibrium", "steady" (the velocities of the start, kept), "start", or a time of a run in s; None: the
                 equilibrium where there is one, else steady motion, else the start.
+            hold: conditions of steady driving, which is then the point: speed in m/s, and of a turn to the left
+                lateral_acceleration in m/s², yaw_rate in rad/s or radius in m.
+            find: inputs whose values make that motion steady, one for each condition.
+            body: whose speed it is; None: the first body on a floating joint.
             inputs: of inputs and tunable parameters, by name, in place of the model's start values.
             delay_order: of the rational functions that replace delays, 1 to 8.
             **method: of a run to a time, see `Method`.
@@ -348,12 +355,17 @@ class Model:
             omega, gain, phase = linear.to_scipy().bode()
             ```
         """
-        return linear.linearise(self, at=at, inputs=inputs, delay_order=delay_order, **method)
+        return linear.linearise(
+            self, at=at, hold=hold, find=find, body=body, inputs=inputs, delay_order=delay_order, **method
+        )
 
     def modes(
         self,
         *,
         at: Point = None,
+        hold: Mapping[str, float] | None = None,
+        find: Sequence[str] | None = None,
+        body: str | None = None,
         most: int | None = None,
         inputs: Mapping[str, float] | None = None,
         delay_order: int = 4,
@@ -363,6 +375,9 @@ class Model:
 
         Args:
             at: see `linearise`.
+            hold: see `linearise`.
+            find: see `linearise`.
+            body: see `linearise`.
             most: so many, of the lowest frequencies; None: all.
             inputs: see `linearise`.
             delay_order: see `linearise`.
@@ -377,9 +392,12 @@ class Model:
         Example:
             ```python
             print([(mode.frequency, mode.damping, mode.text) for mode in model.modes(most=10)])
+            car.modes(hold={"speed": 20, "radius": 100}, find=["steering", "throttle"])  # of steady driving
             ```
         """
-        return linear.modes(self, at=at, most=most, inputs=inputs, delay_order=delay_order, **method)
+        return linear.modes(
+            self, at=at, hold=hold, find=find, body=body, most=most, inputs=inputs, delay_order=delay_order, **method
+        )
 
     def trim(
         self,
@@ -434,19 +452,27 @@ class Model:
         speed: Literal["rad/s", "rpm", "Hz"] | None = None,
         orders: Sequence[float] = (1.0,),
         at: Point = None,
+        hold: Mapping[str, float] | None = None,
+        find: Sequence[str] | None = None,
+        body: str | None = None,
         most: int | None = None,
         inputs: Mapping[str, float] | None = None,
         delay_order: int = 4,
         **method: Unpack[Method],
     ) -> CampbellDiagram:
-        """Modes followed by their shapes over a parameter of the file or an input, as `mimbre modes --over`.
+        """Modes followed by their shapes over a parameter of the file, an input or a held condition of steady driving,
+        as `mimbre modes --over`.
 
         Args:
-            parameter: its name.
+            parameter: its name; "hold.speed" is a condition of steady driving (or "speed", where the model has no
+                parameter or input of that name), sought anew at each value.
             values: two or more, each larger than the one before.
             speed: the unit of the parameter where it is a speed: also critical speeds.
             orders: of the speed, whose crossings with modes are critical.
             at: see `linearise`.
+            hold: see `linearise`.
+            find: see `linearise`.
+            body: see `linearise`.
             most: so many modes, of the lowest frequencies; None: all.
             inputs: see `linearise`.
             delay_order: see `linearise`.
@@ -464,6 +490,7 @@ class Model:
             diagram = model.campbell("rpm", range(0, 4001, 100), speed="rpm", at="steady")
             for branch in diagram.branches:
                 print(branch.name, abs(branch.values.imag))
+            locus = car.campbell("hold.speed", range(5, 41), find=["throttle"])
             ```
         """
         return linear.campbell(
@@ -473,6 +500,9 @@ class Model:
             speed=speed,
             orders=orders,
             at=at,
+            hold=hold,
+            find=find,
+            body=body,
             most=most,
             inputs=inputs,
             delay_order=delay_order,

@@ -45,9 +45,11 @@ auto computed(const Work& work) {
 
 using Inputs = std::map<std::string, double>;
 
-/// `at`: "automatic", "equilibrium", "steady", "start" or "time".
+/// `at`: "automatic", "equilibrium", "steady", "start" or "time". `driving`: of steady driving, which is then
+/// the point.
 LinearOptions options_of(const LoadedModel& loaded, const MethodChoice& method, const std::string& at,
-                         double time, const Inputs& inputs, int delay_order) {
+                         double time, const Inputs& inputs, int delay_order,
+                         const std::optional<TrimConditions>& driving) {
   using At = LinearPoint::At;
   LinearOptions options;
   options.run = method.options(loaded.model->spec().simulation);
@@ -59,6 +61,10 @@ LinearOptions options_of(const LoadedModel& loaded, const MethodChoice& method, 
                      : at == "start"     ? At::start
                      : at == "time"      ? At::time
                                          : At::automatic;
+  if (driving) {
+    options.point.at = At::trim;
+    options.trim = *driving;
+  }
   return options;
 }
 
@@ -78,12 +84,14 @@ const char* kind_of(const Mode& mode) {
   return mode.kind == Mode::Kind::rigid ? "rigid" : mode.kind == Mode::Kind::real ? "real" : "oscillating";
 }
 
-/// The models of a family come from Python, by the value of its parameter.
+/// The models of a family come from Python, by the value of its parameter; or it varies an input or a held
+/// condition of one model.
 CampbellDiagram diagram(const nb::callable& model_at, const std::vector<double>& values,
                         const std::string& parameter, double rad_per_second,
                         const std::vector<double>& orders, const MethodChoice& method, const std::string& at,
-                        double time, const Inputs& inputs, const std::string& varied_input, int most,
-                        int delay_order) {
+                        double time, const Inputs& inputs, const std::string& varied_input,
+                        const std::string& varied_condition, int most, int delay_order,
+                        const std::optional<TrimConditions>& driving) {
   CampbellOptions options;
   options.parameter = parameter;
   options.rad_per_second = rad_per_second;
@@ -91,6 +99,7 @@ CampbellDiagram diagram(const nb::callable& model_at, const std::vector<double>&
   options.most = most;
   Attention attention;
   struct Stopped {};
+  NeighbouringModes neighbours;
   const ModesBy modes = [&](double value, ModesSolver solver) {
     std::shared_ptr<LoadedModel> loaded;
     attention.call([&] { loaded = nb::cast<std::shared_ptr<LoadedModel>>(model_at(value)); });
@@ -98,16 +107,17 @@ CampbellDiagram diagram(const nb::callable& model_at, const std::vector<double>&
     Inputs given = inputs;
     if (!varied_input.empty()) given[varied_input] = value;
     ModesOptions here;
-    here.linear = options_of(*loaded, method, at, time, given, delay_order);
+    here.linear = options_of(*loaded, method, at, time, given, delay_order, driving);
+    if (!varied_condition.empty()) *held_condition(here.linear.trim, varied_condition) = value;
     here.most = with_neighbours(most);
     here.solver = solver;
-    return find_modes(loaded->model, here);
+    return neighbours.find(value, loaded->model, here);
   };
   CampbellDiagram found;
   try {
     found = computed([&] {
       const ModesSolver solver =
-          most > 0 && values.size() > 1
+          most > 0 && values.size() > 1 && !driving
               ? one_solver(modes, values.front(), values.back(), ModesSolver::automatic)
               : ModesSolver::dense;
       return campbell([&](double value) { return modes(value, solver); }, values, options);
@@ -121,6 +131,12 @@ CampbellDiagram diagram(const nb::callable& model_at, const std::vector<double>&
 }  // namespace
 
 void bind_linear(nb::module_& module) {
+  nb::class_<TrimConditions>(module, "TrimConditions")
+      .def(nb::init<>())
+      .def("hold",
+           [](TrimConditions& c, const std::string& name, double value) { *held_condition(c, name) = value; })
+      .def_rw("body", &TrimConditions::body)
+      .def_rw("find", &TrimConditions::find);
   nb::class_<LinearModel>(module, "LinearModel")
       .def_ro("title", &LinearModel::title)
       .def_ro("point", &LinearModel::point)
@@ -153,12 +169,12 @@ void bind_linear(nb::module_& module) {
   module.def(
       "linearise",
       [](const LoadedModel& loaded, const MethodChoice& method, const std::string& at, double time,
-         const Inputs& inputs, int delay_order) {
-        const LinearOptions options = options_of(loaded, method, at, time, inputs, delay_order);
+         const Inputs& inputs, int delay_order, const std::optional<TrimConditions>& driving) {
+        const LinearOptions options = options_of(loaded, method, at, time, inputs, delay_order, driving);
         return computed([&] { return linearise(loaded.model, options); });
       },
       nb::arg("model"), nb::arg("method"), nb::arg("at"), nb::arg("time"), nb::arg("inputs"),
-      nb::arg("delay_order"));
+      nb::arg("delay_order"), nb::arg("driving").none());
 
   nb::class_<mimbre::Mode>(module, "EigenMode")
       .def_prop_ro("kind", [](const mimbre::Mode& m) { return std::string(kind_of(m)); })
@@ -197,15 +213,15 @@ void bind_linear(nb::module_& module) {
   module.def(
       "modes",
       [](const LoadedModel& loaded, const MethodChoice& method, const std::string& at, double time,
-         const Inputs& inputs, int delay_order, int most) {
+         const Inputs& inputs, int delay_order, int most, const std::optional<TrimConditions>& driving) {
         ModesOptions options;
-        options.linear = options_of(loaded, method, at, time, inputs, delay_order);
+        options.linear = options_of(loaded, method, at, time, inputs, delay_order, driving);
         options.most = most;
         options.shapes = true;
         return computed([&] { return find_modes(loaded.model, options); });
       },
       nb::arg("model"), nb::arg("method"), nb::arg("at"), nb::arg("time"), nb::arg("inputs"),
-      nb::arg("delay_order"), nb::arg("most"));
+      nb::arg("delay_order"), nb::arg("most"), nb::arg("driving").none());
 
   nb::class_<TrimResult>(module, "TrimResult")
       .def_ro("body", &TrimResult::body)
@@ -228,16 +244,12 @@ void bind_linear(nb::module_& module) {
       });
   module.def(
       "trim",
-      [](const LoadedModel& loaded, const std::string& body, std::optional<double> speed,
-         std::optional<double> lateral_acceleration, std::optional<double> yaw_rate,
-         std::optional<double> radius, const std::vector<std::string>& find, const Inputs& inputs) {
-        const TrimConditions conditions{body, speed, lateral_acceleration, yaw_rate, radius, find};
+      [](const LoadedModel& loaded, const TrimConditions& conditions, const Inputs& inputs) {
         RunOptions options;
         options.inputs = inputs;
         return computed([&] { return trim(loaded.model, conditions, options); });
       },
-      nb::arg("model"), nb::arg("body"), nb::arg("speed").none(), nb::arg("lateral_acceleration").none(),
-      nb::arg("yaw_rate").none(), nb::arg("radius").none(), nb::arg("find"), nb::arg("inputs"));
+      nb::arg("model"), nb::arg("conditions"), nb::arg("inputs"));
 
   nb::class_<CampbellDiagram>(module, "CampbellDiagram")
       .def_ro("values", &CampbellDiagram::values)
@@ -265,7 +277,8 @@ void bind_linear(nb::module_& module) {
       .def_ro("warnings", &CampbellDiagram::warnings);
   module.def("campbell", &diagram, nb::arg("model_at"), nb::arg("values"), nb::arg("parameter"),
              nb::arg("rad_per_second"), nb::arg("orders"), nb::arg("method"), nb::arg("at"), nb::arg("time"),
-             nb::arg("inputs"), nb::arg("varied_input"), nb::arg("most"), nb::arg("delay_order"));
+             nb::arg("inputs"), nb::arg("varied_input"), nb::arg("varied_condition"), nb::arg("most"),
+             nb::arg("delay_order"), nb::arg("driving").none());
 }
 
 }  // namespace mimbre::python

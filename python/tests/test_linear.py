@@ -190,6 +190,80 @@ def test_a_motion_without_mass_is_named():
         mimbre.Model.from_text(text).modes(at="start")
 
 
+RIGID = {"arms": "rigid", "links": "rigid", "rods": "rigid"}
+CONDITIONS = ["--hold", "speed=12", "--hold", "radius=80", "--find", "steering", "--find", "throttle"]
+
+
+@pytest.fixture
+def driven(examples):
+    return mimbre.Model.from_file(examples / "iltis" / "steady.yaml", **RIGID)
+
+
+def driven_by_program(command, examples, *words):
+    settings = [text for name, value in RIGID.items() for text in ("--set", f"{name}={value}")]
+    return json.loads(program(command, examples / "iltis" / "steady.yaml", *settings, *words, "--json"))
+
+
+def test_a_point_of_steady_driving_is_that_of_the_program(driven, examples):
+    hold, find = {"speed": 12, "radius": 80}, ["steering", "throttle"]
+    modes = driven.modes(at="steady", hold=hold, find=find, body="chassis")
+    said = driven_by_program("modes", examples, *CONDITIONS)
+    assert modes.point == said["point"] == "steady driving at 12 m/s, 1.8 m/s² to the left"
+    assert list(modes.values) == [complex(mode["real"], mode["imaginary"]) for mode in said["modes"]]
+    linear = driven.linearise(hold=hold, find=find)
+    written = driven_by_program("linearise", examples, *CONDITIONS)
+    np.testing.assert_array_equal(linear.A, written["A"])
+    assert linear.point == modes.point
+    # The inputs of the point are those of trim.
+    turn = driven.trim(speed=12, radius=80, find=find)
+    assert linear.input_values[linear.inputs.index("steering")] == turn.inputs["steering"]
+
+
+def test_modes_over_a_held_condition_are_those_of_each_value(driven, examples):
+    diagram = driven.campbell("hold.speed", [8, 12, 16], hold={"radius": 80}, find=["steering", "throttle"])
+    assert diagram.parameter == "speed"
+    said = driven_by_program("modes", examples, *CONDITIONS, "--over", "hold.speed=8:16:3")
+    assert len(said["branches"]) == len(diagram.branches)
+    for branch, other in zip(diagram.branches, said["branches"], strict=True):
+        assert branch.name == other["name"]
+    alone = driven.modes(hold={"speed": 16, "radius": 80}, find=["steering", "throttle"]).values
+    last = np.array([branch.values[-1] for branch in diagram.branches])
+    for value in alone:
+        assert np.nanmin(np.abs(last - value)) <= 1e-6 * max(1, abs(value))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"hold": {"sped": 20}, "find": ["throttle"]}, "did you mean 'speed'"),
+        ({"hold": {"speed": "fast"}, "find": ["throttle"]}, "speed: a number is needed"),
+        ({"hold": {"speed": 20}}, "0 inputs to find"),
+        ({"hold": {"speed": 20}, "find": ["throttel"]}, "throttel"),
+        ({"hold": {"speed": 20}, "find": ["throttle"], "at": "start"}, "steady driving"),
+        ({"hold": {"speed": 20}, "find": ["throttle"], "body": "hood"}, "chassis"),
+    ],
+)
+def test_conditions_that_do_not_go_together_are_refused(driven, arguments, message):
+    for find in (driven.linearise, driven.modes):
+        with pytest.raises(mimbre.InputError, match=message):
+            find(**arguments)
+
+
+def test_a_condition_with_the_name_of_a_parameter_is_refused(driven):
+    """The parameter `speed` of the file is that of the start."""
+    with pytest.raises(mimbre.InputError, match=r"write 'hold\.speed' for the condition"):
+        driven.campbell("speed", [10, 12], hold={"speed": 10}, find=["throttle"])
+    with pytest.raises(mimbre.InputError, match="find looks for this input"):
+        driven.campbell("throttle", [0, 1], hold={"speed": 10}, find=["throttle"])
+    with pytest.raises(mimbre.SimulationError, match="lateral_acceleration = 30: no steady driving"):
+        driven.campbell(
+            "lateral_acceleration",
+            [1, 30],
+            hold={"speed": 20, "lateral_acceleration": 1},
+            find=["steering", "throttle"],
+        )
+
+
 def test_steady_driving_is_that_of_the_program(examples):
     path = examples / "iltis" / "steady.yaml"
     rigid = {"arms": "rigid", "links": "rigid", "rods": "rigid"}
