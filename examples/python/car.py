@@ -1,8 +1,8 @@
 # %% [markdown]
 # # How a car rides and steers
 #
-# The Iltis of `examples/iltis`, a vehicle with a flexible suspension: its modes at rest by name, and the steering that
-# a circle takes. This file is a script and a notebook.
+# The Iltis of `examples/iltis`, a vehicle with a flexible suspension: its modes at rest by name, the steering that
+# a circle takes, and its modes over the speed. This file is a script and a notebook.
 # %%
 from pathlib import Path
 
@@ -52,3 +52,28 @@ figure, axes = plt.subplots()
 axes.plot(accelerations, 1e3 * np.array(racks), "o-")
 axes.set(xlabel="lateral acceleration, m/s²", ylabel="rack, mm")
 plt.show()
+
+# %% [markdown]
+# ## Modes over the speed
+#
+# Driven straight on, with the throttle that each speed needs: a root locus. Tyres damp yaw and sideslip the less, the
+# faster the car goes; a car that oversteers would cross the axis to the right. Links are rigid here, which is faster.
+# %%
+RIGID = {"arms": "rigid", "links": "rigid", "rods": "rigid"}
+stiff = mimbre.Model.from_file(folder / "steady.yaml", **RIGID)
+speeds = np.linspace(10, 40, 7)
+loci = {speed: stiff.modes(hold={"speed": float(speed)}, find=["throttle"]) for speed in speeds}
+
+figure, axes = plt.subplots()
+for speed, modes in loci.items():
+    slow = modes.values[(np.abs(modes.values) < 25) & (np.abs(modes.values) > 1e-9)]
+    axes.plot(slow.real, slow.imag, "o", markersize=2 + speed / 10, label=f"{speed:.0f} m/s")
+axes.set(xlabel="real part, 1/s", ylabel="imaginary part, 1/s")
+axes.legend()
+plt.show()
+
+for speed, modes in loci.items():
+    side = [mode for mode in modes if mode.kind == "oscillating" and mode.frequency < 3]
+    yaw = max(side, key=lambda mode: mode.coordinates.get("'free' along y", 0.0))
+    grows = any(mode.grows for mode in modes)
+    print(f"{speed:2.0f} m/s: sideslip {yaw.frequency:.2f} Hz, damping ratio {yaw.damping:.2f}; grows: {grows}")

@@ -67,7 +67,19 @@ notebooks = [path for path in examples if "# %%" in path.read_text(encoding="utf
 
 #: What notebooks must have found.
 found = {
-    "car.py": [r"\d\.\d\d Hz, damping ratio .*: pitch", r"bounce", r"roll", r"(?s)(wheel hop.*){4}", r"3\.00 m/s²"],
+    "car.py": [
+        r"\d\.\d\d Hz, damping ratio .*: pitch",
+        r"bounce",
+        r"roll",
+        r"(?s)(wheel hop.*){4}",
+        r"3\.00 m/s²",
+        r"40 m/s: sideslip .*grows: False",
+    ],
+    "arm_modes.py": [
+        r"4\.9 Hz, .*'shoulder\.gear' 44 %",
+        r"lowest: 4\.8\d Hz, .* elbow 0\.00 rad",
+        r"highest: 9\.\d\d Hz",
+    ],
     "learning.py": ["4 of 4 stand"],
     "optimising.py": [r"k = 12.3\d", r"c = 0.21\d", r"without noise: off by \d.\de-(0[89]|1\d)", "is better: True"],
     "robot_arm.py": [r"tip differs by 0.0e\+00 m"],
