@@ -10,7 +10,7 @@
 #include "signals/blocks/linear.h"
 #include "signals/blocks/table.h"
 
-/// The only unit that compiles the core over dual numbers.
+/// The unit that compiles all of the core over dual numbers.
 namespace mimbre::linear {
 
 using Eigen::MatrixXd;
