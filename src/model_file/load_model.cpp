@@ -30,4 +30,11 @@ spec::Model parse_model(const std::string& text, const std::string& name, const 
   return model_file::parse(text, name, directory, overrides, warnings, {}, other_files);
 }
 
+spec::Model model_file::parse(const std::string& text, const std::string& name, const std::string& directory,
+                              const std::map<std::string, std::string>& overrides,
+                              std::vector<Diagnostic>* warnings, const Limits& limits,
+                              std::vector<std::string>* other_files) {
+  return parse_by(disk_files(), text, name, directory, overrides, warnings, limits, other_files, nullptr);
+}
+
 }  // namespace mimbre

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "model_file/sections/fmu_block.h"
+#include "model_file/text/file_reader.h"
 #include "spec/block_info.h"
 
 namespace mimbre::model_file {
@@ -172,7 +173,7 @@ void read_block(Builder& builder, const Part& part, const Value& value, const st
   const auto main = fields.need(std::string(info.key), "angle");
   if (!main) return;
   if (info.outside) {
-    for (const Value& text : read_fmu(builder, fields, block))
+    for (const Value& text : builder.reader->fmu_block(builder, fields, block))
       if (auto law = input_formula(builder, part, text)) block.inputs.push_back(std::move(*law));
   } else {
     read_inputs_of(builder, part, fields, *main, info, block);

@@ -8,6 +8,7 @@
 #include "mimbre/surface_mesh.h"
 #include "model_file/sections/surface_files.h"
 #include "model_file/text/builder.h"
+#include "model_file/text/file_reader.h"
 #include "reduction/file/mirror.h"
 #include "spec/rigid_inertia.h"
 
@@ -144,7 +145,7 @@ std::shared_ptr<const ReducedBody> read_reduced(Builder& builder, const Part& pa
     auto& original = image(Eigen::Vector3d::Ones());
     if (!original) {
       builder.other_files.push_back(file);
-      original = std::make_shared<const ReducedBody>(load_reduced_body(file));
+      original = builder.reader->reduced_body(file);
     }
     auto& placed = image(part.place.mirror);
     if (!placed) placed = std::make_shared<const ReducedBody>(mirrored(*original, part.place.mirror));

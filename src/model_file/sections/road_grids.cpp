@@ -8,6 +8,7 @@
 #include "mimbre/road_file.h"
 #include "mimbre/road_profile.h"
 #include "model_file/sections/heights.h"
+#include "model_file/text/file_reader.h"
 #include "roads/grid.h"
 #include "roads/overlap.h"
 
@@ -82,7 +83,7 @@ void read_file(Builder& builder, const Fields& fields, const Value& file, spec::
   const std::string found = path_of(builder, file.mark(), *path);
   builder.other_files.push_back(found);
   try {
-    RoadGrid read = read_road_grid(found);
+    RoadGrid read = builder.reader->road(found);
     warn_of_road(builder, file, read);
     if (const auto spacing = read_pair(fields.get("spacing"))) return sample(read, *spacing, file, road);
     if (static_cast<double>(read.height.size()) > most_heights)

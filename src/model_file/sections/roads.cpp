@@ -10,6 +10,7 @@
 #include "model_file/sections/signals.h"
 #include "model_file/sections/surface_files.h"
 #include "model_file/text/builder.h"
+#include "model_file/text/file_reader.h"
 #include "tyre_files/magic_numbers.h"
 
 /// Roads, and tyres on them.
@@ -150,7 +151,7 @@ void read_property_file(Builder& builder, const LawInfo& law, const Fields& fiel
   const std::string found = path_of(builder, file->mark(), *path);
   builder.other_files.push_back(found);
   try {
-    const TyreProperties read = read_tyre_properties(found);
+    const TyreProperties read = builder.reader->tyre(found);
     if (!read.doubtful.empty())
       builder.warnings.push_back(
           {file->mark(), fmt::format("'{}': {}; the tyre is calculated without {}", *path,

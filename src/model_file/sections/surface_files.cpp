@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <functional>
 
+#include "model_file/text/file_reader.h"
+
 namespace mimbre::model_file {
 
 namespace {
@@ -20,7 +22,7 @@ std::shared_ptr<const SurfaceMesh> read(Builder& builder, const Value& value, co
     return known->second;
   builder.other_files.push_back(file);
   try {
-    return builder.surfaces[file] = std::make_shared<const SurfaceMesh>(read_surface_mesh(file));
+    return builder.surfaces[file] = builder.reader->surface(file);
   } catch (const InputError& e) {
     refused(file, e);
   }

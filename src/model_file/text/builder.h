@@ -114,11 +114,14 @@ struct Names {
   std::vector<std::string> list() const;
 };
 
+class FileReader;
+
 /// The model while it is being read.
 struct Builder {
-  explicit Builder(Limits bounds) : limits(bounds), errors(limits) {}
+  Builder(Limits bounds, const FileReader& files_by) : limits(bounds), reader(&files_by), errors(limits) {}
 
   Limits limits;
+  const FileReader* reader;  ///< of the files that it names
   Errors errors;
   std::vector<Diagnostic> warnings;
   std::string directory;

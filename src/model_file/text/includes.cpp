@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "model_file/text/file_reader.h"
+
 namespace mimbre::model_file {
 namespace {
 
@@ -52,11 +54,11 @@ struct Inclusion {
 
   std::shared_ptr<const Tree> read_tree_file(const Value& value, const std::string& path,
                                              const std::string& called) {
-    const auto text = read_file(builder, value, path);
-    if (!text) return nullptr;
+    const auto read = builder.reader->yaml(builder, value, path);
+    if (!read) return nullptr;
     builder.model.text += fmt::format("\n# {}:\n# ", called);
-    for (const char c : *text) builder.model.text += c == '\n' ? std::string("\n# ") : std::string(1, c);
-    return parse_yaml(*text, path, builder.limits, builder.errors.list);
+    for (const char c : read->text) builder.model.text += c == '\n' ? std::string("\n# ") : std::string(1, c);
+    return read->tree;
   }
 
   /// What both have is put together: names with names, lists behind lists; no name twice.

@@ -11,7 +11,7 @@ namespace {
 
 /// A parameter as declared: its value's text, the words or range it may have.
 struct Declaration {
-  std::string what;
+  std::string what, about;
   const Tree* value = nullptr;
   std::vector<std::string> choices;
   bool name = false;  ///< of an item
@@ -66,6 +66,7 @@ std::optional<Declaration> read_declaration(const Value& value) {
     name->error("the name of an item is needed, such as ground");
     return {};
   }
+  if (const auto about = fields.get("about"); about && about->is_scalar()) result.about = about->tree().text;
   const auto given = fields.need("value", "1.5");
   if (!given) return {};
   if (!given->is_scalar()) {
@@ -95,15 +96,6 @@ std::optional<Declaration> read_declaration(const Value& value) {
   return result;
 }
 
-std::string range_text(const Declaration& d) {
-  const std::string kind = d.integer ? "a whole number" : "a number";
-  if (std::isfinite(d.min) && std::isfinite(d.max))
-    return fmt::format("{} from {} to {}", kind, d.min, d.max);
-  if (std::isfinite(d.min)) return fmt::format("{} of at least {}", kind, d.min);
-  if (std::isfinite(d.max)) return fmt::format("{} of at most {}", kind, d.max);
-  return kind;
-}
-
 /// The value of a declared parameter from `text`; throws ExpressionError saying what would be right.
 ParameterValue value_from_text(const Declaration& d, const std::string& text, const Scope& scope) {
   if (d.name) {
@@ -121,13 +113,39 @@ ParameterValue value_from_text(const Declaration& d, const std::string& text, co
   }
   const double number = evaluate(text, scope, quantity::any);
   if (number < d.min || number > d.max || (d.integer && number != std::floor(number)))
-    throw ExpressionError(fmt::format("{} is not {}", number, range_text(d)));
+    throw ExpressionError(fmt::format("{} is not {}", number, range_text(d.min, d.max, d.integer)));
   return number;
+}
+
+/// Whether an expression names a parameter. A word behind a number is its unit.
+bool names_parameter(const std::string& text, const Scope& scope) {
+  const auto in_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+  char before = 0;
+  for (std::size_t k = 0; k < text.size();) {
+    std::size_t end = k;
+    while (end < text.size() && in_word(text[end])) ++end;
+    const bool starts = end > k && !std::isdigit(static_cast<unsigned char>(text[k]));
+    if (starts && !std::isdigit(static_cast<unsigned char>(before)) && scope.find(text.substr(k, end - k)))
+      return true;
+    if (end == k) ++end;
+    if (text[end - 1] != ' ') before = text[end - 1];
+    k = end;
+  }
+  return false;
 }
 
 }  // namespace
 
-void read_parameters(const Value& section, const std::map<std::string, std::string>& given, Scope& scope) {
+std::string range_text(double min, double max, bool integer) {
+  const std::string kind = integer ? "a whole number" : "a number";
+  if (std::isfinite(min) && std::isfinite(max)) return fmt::format("{} from {} to {}", kind, min, max);
+  if (std::isfinite(min)) return fmt::format("{} of at least {}", kind, min);
+  if (std::isfinite(max)) return fmt::format("{} of at most {}", kind, max);
+  return kind;
+}
+
+void read_parameters(const Value& section, const std::map<std::string, std::string>& given, Scope& scope,
+                     std::vector<DeclaredParameter>* declared) {
   Errors& errors = *section.reading().errors;
   if (!section.is_map()) {
     if (!section.is_null()) section.error("names with values are needed, for example length: 1.5");
@@ -180,6 +198,10 @@ void read_parameters(const Value& section, const std::map<std::string, std::stri
     }
     if (const double* number = std::get_if<double>(&value); number && declaration->tunable)
       scope.tunables[entry.key] = {*number, declaration->min, declaration->max, entry.mark};
+    if (declared)
+      declared->push_back({entry.key, declaration->about, value, declaration->min, declaration->max,
+                           declaration->integer, declaration->tunable,
+                           replaced == given.end() && names_parameter(declaration->value->text, scope)});
     scope.values[entry.key] = std::move(value);
   }
 }

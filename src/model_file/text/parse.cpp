@@ -49,17 +49,18 @@ void warn_unused(Builder& builder) {
 
 }  // namespace
 
-spec::Model parse(const std::string& text, const std::string& name, const std::string& directory,
-                  const std::map<std::string, std::string>& overrides, std::vector<Diagnostic>* warnings,
-                  const Limits& limits, std::vector<std::string>* other_files) {
-  Builder builder(limits);
+spec::Model parse_by(const FileReader& files, const std::string& text, const std::string& name,
+                     const std::string& directory, const std::map<std::string, std::string>& overrides,
+                     std::vector<Diagnostic>* warnings, const Limits& limits,
+                     std::vector<std::string>* other_files, std::vector<DeclaredParameter>* declared) {
+  Builder builder(limits, files);
   builder.directory = directory;
   builder.model.file = name;
   builder.model.text = text;
 
   Part& model = builder.parts.emplace_back();
   model.reading = {&model.scope, &builder.errors, &builder.limits};
-  model.written = with_includes(builder, parse_yaml(text, name, builder.limits, builder.errors.list));
+  model.written = with_includes(builder, files.model(text, name, builder.limits, builder.errors.list));
   model.tree = model.written;
   const Fields fields(
       Value(model.reading, *model.written, "model"),
@@ -72,7 +73,7 @@ spec::Model parse(const std::string& text, const std::string& name, const std::s
   check_version(fields);
 
   if (const auto parameters = model.section("parameters"))
-    read_parameters(*parameters, overrides, model.scope);
+    read_parameters(*parameters, overrides, model.scope, declared);
   report_unknown(overrides, model.scope, model.reading);
   if (const auto require = model.section("require")) read_requirements(*require);
   model.tree = written_out(model.written, model.reading, model.instance);

@@ -193,12 +193,6 @@ std::string joined_colon(const std::string& text, int line) {
 
 }  // namespace
 
-const Tree::Entry* Tree::find(const std::string& key) const {
-  for (const Entry& entry : entries)
-    if (entry.key == key) return &entry;
-  return nullptr;
-}
-
 std::shared_ptr<const Tree> parse_yaml(const std::string& text, const std::string& file, const Limits& limits,
                                        std::vector<Diagnostic>& errors) {
   if (text.size() > limits.bytes)

@@ -22,7 +22,11 @@ struct Tree {
   std::vector<Entry> entries;                      ///< map, in file order, keys unique
   std::size_t size = 1;                            ///< values in it, aliases expanded
 
-  const Entry* find(const std::string& key) const;
+  const Entry* find(const std::string& key) const {
+    for (const Entry& entry : entries)
+      if (entry.key == key) return &entry;
+    return nullptr;
+  }
 };
 
 /// Reads one YAML document. Appends duplicate keys to `errors`; throws InputError where the text cannot be
