@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct FmuOptions {
   /// Of FMI 3: outputs that are all the components of one vector are one variable, an array: `tip` in place
   /// of tip.x, tip.y and tip.z.
   bool arrays = false;
+  /// With the library inside: the parameters of the model's file that were replaced when the model was read
+  /// (load_model()). With these the FMU reads the model again where its importer sets other parameters.
+  std::map<std::string, std::string> settings{};
   double reference = 1;  ///< s of a run whose result goes along; 0: none
 };
 
@@ -27,8 +31,21 @@ struct FmuOptions {
 struct FmuVariable {
   std::string name, unit, meaning;
   unsigned reference = 0;
-  /// count: a whole number; state, derivative, indicator: of model exchange.
-  enum class Role { time, input, parameter, output, count, state, derivative, indicator } role = Role::output;
+  /// parameter: tunable; fixed: set before the start alone; derived: following from fixed ones; count: of
+  /// steps; state, derivative, indicator: of model exchange.
+  enum class Role {
+    time,
+    input,
+    parameter,
+    output,
+    fixed,
+    derived,
+    count,
+    state,
+    derivative,
+    indicator
+  } role = Role::output;
+  bool integer = false;                ///< a whole number
   double start = 0, min = 0, max = 0;  ///< of inputs and parameters; ±infinity: no bound
   /// Of outputs: the variables that they are computed from directly, ascending: the time, inputs, in FMI 3
   /// parameters, and for model exchange states.

@@ -24,6 +24,15 @@ struct GeneratedVariable {
   bool by_acceleration = false;  ///< accelerations, which may depend on all inputs
 };
 
+/// A parameter that is fixed when a run begins: of FMUs with the library inside.
+struct GeneratedParameter {
+  std::string name, meaning;
+  double start = 0;
+  double min = 0, max = 0;  ///< ±infinity: none
+  bool integer = false;
+  bool derived = false;  ///< it follows from others, and cannot be set
+};
+
 /// A continuous state of code for derivatives.
 struct GeneratedState {
   std::string meaning;
@@ -34,6 +43,7 @@ struct GeneratedState {
 struct GeneratedCode {
   std::string name, header, source;
   std::vector<GeneratedVariable> inputs, outputs;
+  std::vector<GeneratedParameter> parameters;  ///< fixed ones, whole ones last
   std::vector<std::string> left_out;   ///< outputs of the model that the code has not, with their kinds
   std::vector<GeneratedState> states;  ///< of code for derivatives: positions, their rates, others
   int indicators = 0;                  ///< likewise: of events

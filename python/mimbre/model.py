@@ -656,7 +656,7 @@ class Model:
             name: the model identifier; default: the model file's name.
             binary_only: without the sources.
             library: the library itself inside, in place of code for the model: for whatever a run takes, with a binary
-                alone, for co-simulation.
+                alone, for co-simulation. Numbers among the model file's parameters can be set before the start.
             arrays: of FMI 3: outputs that are all the components of one vector are one array, `tip` in place of tip.x,
                 tip.y and tip.z.
             **method: step and method in place of the model's, see `Method`.

@@ -41,6 +41,7 @@ std::tuple<std::vector<std::string>, std::string> fmu(const LoadedModel& m, cons
   options.binary_only = binary_only;
   options.with_library = library;
   options.arrays = arrays;
+  options.settings = m.parameters;
   const WrittenFmu written = write_fmu(m.model, method.options(m.model->spec().simulation), options, path);
   return {written.left_out, written.without_binary};
 }

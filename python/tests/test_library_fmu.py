@@ -284,3 +284,337 @@ def test_the_program_writes_the_same_fmu(examples: Path, tmp_path: Path) -> None
     mimbre.Model.from_file(file).fmu(tmp_path / "b.fmu", library=True, formulation="natural")
     assert (tmp_path / "a.fmu").read_bytes() == (tmp_path / "b.fmu").read_bytes()
     program("fmu", file, "-o", tmp_path / "a.fmu", "--library", "--kind", "me", code=1)
+
+
+# --- fixed parameters ---------------------------------------------------------------------------------------
+
+arm = """
+mimbre: 1
+parameters:
+  length: {value: 1.2, min: 0.1, max: 10, about: of the bar}
+  width: 50 mm
+  mass: 7850*width^2*length
+  bars: {value: 2, min: 1, max: 5, integer: true}
+  shape: {value: thick, choices: [thick, thin]}
+  k: {value: 5, tunable: true}
+require:
+  - {that: "width < length", message: the bar is wider than it is long}
+inputs: {torque: {unit: N m, range: [-50, 50]}}
+bodies:
+  bar: {mass: mass, com: [length/2, 0, 0], inertia: [mass/100, mass*length^2/12, mass*length^2/12]}
+  link$i: {for: {i: {from: 2, to: $bars}}, mass: 1, com: [length, 0, -0.5*$i], inertia: [0.1, 0.1, 0.01]}
+joints:
+  hinge: {type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0]}
+  pin$i: {for: {i: {from: 2, to: $bars}}, type: revolute, between: [bar, link$i], at: [length, 0, 0], axis: [0, 1, 0]}
+actuators: {motor: {joint: hinge, torque: torque - k*angle}}
+outputs:
+  - {name: angle, joint: hinge}
+  - {name: tip, position: bar, component: z}
+  - {name: held, joint_force: hinge, component: fz}
+simulation: {step: 0.005, end: 1}
+"""
+
+
+def references_of(folder: str) -> dict[str, int]:
+    return {v.name: v.valueReference for v in fmpy.read_model_description(folder).modelVariables}
+
+
+def started(folder: str, values: dict[str, float], messages: list[str] | None = None) -> Any:
+    """An instance of FMI 3 with parameters that are set before initialization."""
+    told = messages if messages is not None else []
+    found = fmpy.read_model_description(folder)
+    fmu = fmpy.instantiate_fmu(
+        folder,
+        found,
+        "CoSimulation",
+        logger=lambda environment, status, category, message: told.append(message.decode()),
+    )
+    set_parameters(fmu, folder, values)
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    return fmu
+
+
+def set_parameters(fmu: Any, folder: str, values: dict[str, float]) -> None:
+    kinds = {v.name: v.type for v in fmpy.read_model_description(folder).modelVariables}
+    for name, value in values.items():
+        if kinds[name] == "Int32":
+            fmu.setInt32([references_of(folder)[name]], [int(value)])
+        else:
+            fmu.setFloat64([references_of(folder)[name]], [value])
+
+
+def history(fmu: Any, folder: str, names: list[str], steps: int, step: float = 0.005) -> np.ndarray:
+    places = [references_of(folder)[name] for name in names]
+    rows = [fmu.getFloat64(places)]
+    for k in range(steps):
+        fmu.doStep(currentCommunicationPoint=k * step, communicationStepSize=step)
+        rows.append(fmu.getFloat64(places))
+    return np.array(rows)
+
+
+def test_parameters_are_declared_as_the_model_file_has_them(tmp_path: Path) -> None:
+    for version in (2, 3):
+        (tmp_path / str(version)).mkdir()
+        folder = extracted(mimbre.Model.from_text(arm), tmp_path / str(version), version=version)
+        found = {v.name: v for v in fmpy.read_model_description(folder).modelVariables}
+        for name, causality, variability, start in [
+            ("length", "parameter", "fixed", "1.2"),
+            ("width", "parameter", "fixed", "0.05"),
+            ("bars", "parameter", "fixed", "2"),
+            ("mass", "calculatedParameter", "fixed", None),
+            ("k", "parameter", "tunable", None),
+        ]:
+            assert (found[name].causality, found[name].variability) == (causality, variability)
+            assert start is None or float(found[name].start) == float(start)
+        assert found["bars"].type == ("Integer" if version == 2 else "Int32")
+        assert (float(found["length"].min), float(found["length"].max)) == (0.1, 10)
+        assert (found["bars"].min, found["bars"].max) == ("1", "5")
+        assert found["length"].description == "of the bar"
+        assert "shape" not in found
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_runs_with_parameters_are_those_of_a_model_with_them(tmp_path: Path, version: Any) -> None:
+    from fmpy.validation import validate_fmu
+
+    model = mimbre.Model.from_text(arm)
+    path = str(model.fmu(tmp_path / "model.fmu", library=True, name="model", version=version))
+    assert validate_fmu(path) == []
+    names = ["angle", "tip", "held"]
+    for values in ({}, {"length": 0.7}, {"length": 2, "width": 0.02, "bars": 4}):
+        run = mimbre.Model.from_text(arm, **values).run(until=0.5)
+        result = fmpy.simulate_fmu(
+            path, stop_time=0.5, step_size=0.005, output_interval=0.005, output=names, start_values=values
+        )
+        for name in names:
+            assert np.array_equal(result[name][: len(run.time)], run[name]), (values, name)
+
+
+def test_parameters_of_an_example_with_flexible_bodies(examples: Path, tmp_path: Path) -> None:
+    file = examples / "slider-crank/slider-crank.yaml"
+    model = mimbre.Model.from_file(file)
+    path = str(model.fmu(tmp_path / "model.fmu", library=True, name="model"))
+    found = [v for v in fmpy.read_model_description(path).modelVariables if v.variability == "fixed"]
+    assert {"speed", "step"} <= {v.name for v in found}
+    run = mimbre.Model.from_file(file, speed=31.5).run(until=0.05)
+    step = float(run.time[1] - run.time[0])
+    outputs = [name for name in outputs_of(path) if name in run]
+    result = fmpy.simulate_fmu(
+        path, stop_time=0.05, step_size=step, output_interval=step, output=outputs, start_values={"speed": 31.5}
+    )
+    for name in outputs:
+        assert np.array_equal(result[name][: len(run.time)], run[name]), name
+    # The step is that of the FMU.
+    messages: list[str] = []
+    with pytest.raises(Exception, match="error"):
+        started(str(fmpy.extract(path, tmp_path / "extracted")), {"step": 1e-4}, messages)
+    assert any("with step = 0.0001" in message and "write one" in message for message in messages), messages
+
+
+def test_parameters_that_follow_from_others(tmp_path: Path) -> None:
+    folder = extracted(mimbre.Model.from_text(arm), tmp_path)
+    of = references_of(folder)
+    messages: list[str] = []
+    fmu = started(folder, {"length": 2.0}, messages)
+    assert fmu.getFloat64([of["mass"], of["length"]]) == [pytest.approx(7850 * 0.05**2 * 2), 2.0]
+    fmu.reset()
+    assert fmu.getFloat64([of["mass"], of["length"]]) == [pytest.approx(7850 * 0.05**2 * 1.2), 1.2]
+    with pytest.raises(Exception, match="error"):
+        fmu.setFloat64([of["mass"]], [3.0])
+    assert "'mass' follows from others" in messages[-1]
+    fmu.freeInstance()
+
+
+def test_values_that_cannot_be_are_errors(tmp_path: Path) -> None:
+    folder = extracted(mimbre.Model.from_text(arm), tmp_path)
+    of = references_of(folder)
+    messages: list[str] = []
+    fmu = fmpy.instantiate_fmu(
+        folder,
+        fmpy.read_model_description(folder),
+        "CoSimulation",
+        logger=lambda environment, status, category, message: messages.append(message.decode()),
+    )
+    for reference, value, words in [
+        (of["length"], 0.05, "'length' set to 0.05: a number from 0.1 to 10 is needed"),
+        (of["length"], float("nan"), "'length'"),
+        (of["width"], float("inf"), "'width'"),
+    ]:
+        with pytest.raises(Exception, match="error"):
+            fmu.setFloat64([of["k"], reference], [7.0, value])
+        assert words in messages[-1]
+    with pytest.raises(Exception, match="error"):
+        fmu.setInt32([of["bars"]], [6])
+    assert "'bars' set to 6: a whole number from 1 to 5 is needed" in messages[-1]
+    assert fmu.getFloat64([of["k"], of["length"], of["width"]]) == [5.0, 1.2, 0.05]
+    # A condition on several, which is found when something of the model is asked for.
+    fmu.enterInitializationMode()
+    fmu.setFloat64([of["width"]], [1.5])
+    for call in (lambda: fmu.getFloat64([of["angle"]]), fmu.exitInitializationMode):
+        with pytest.raises(Exception, match="error"):
+            call()
+        assert "with width = 1.5" in messages[-1]
+        assert "the bar is wider than it is long" in messages[-1]
+    fmu.setFloat64([of["length"]], [2.0])
+    fmu.exitInitializationMode()
+    with pytest.raises(Exception, match="error"):
+        fmu.setFloat64([of["length"]], [1.0])
+    assert "'length' is fixed" in messages[-1]
+    assert fmu.getFloat64([of["length"]]) == [2.0]
+    fmu.freeInstance()
+
+
+def test_instances_with_different_parameters_side_by_side(tmp_path: Path) -> None:
+    folder = extracted(mimbre.Model.from_text(arm), tmp_path)
+    cases: list[dict[str, float]] = [{}, {"length": 0.7}, {"bars": 4}, {"length": 0.7}]
+    alone = []
+    for values in cases:
+        fmu = started(folder, values)
+        alone.append(history(fmu, folder, ["angle", "held"], 40))
+        fmu.freeInstance()
+    together = [started(folder, values) for values in cases]
+    rows: list[list[Any]] = [[] for _ in cases]
+    for k in range(40):
+        for fmu, row in zip(together, rows, strict=True):
+            fmu.doStep(currentCommunicationPoint=k * 0.005, communicationStepSize=0.005)
+            row.append(fmu.getFloat64([references_of(folder)[name] for name in ("angle", "held")]))
+    for row, one in zip(rows, alone, strict=True):
+        assert np.array_equal(np.array(row), one[1:])
+    assert np.array_equal(alone[1], alone[3])
+    assert not np.array_equal(alone[0], alone[1])
+    for fmu in together:
+        fmu.freeInstance()
+
+
+def test_states_have_their_parameters(tmp_path: Path) -> None:
+    """Also between instances whose models have another number of coordinates."""
+    folder = extracted(mimbre.Model.from_text(arm), tmp_path)
+    of = references_of(folder)
+    one = started(folder, {"length": 0.7, "bars": 4})
+    history(one, folder, ["angle"], 20)
+    state = one.getFMUState()
+    data = one.serializeFMUState(state)
+    on = [one.getFloat64([of["angle"]])]
+    for k in range(20, 40):
+        one.doStep(currentCommunicationPoint=k * 0.005, communicationStepSize=0.005)
+        on.append(one.getFloat64([of["angle"]]))
+    other = started(folder, {"length": 3.0})
+    history(other, folder, ["angle"], 7)
+    other.setFMUState(other.deserializeFMUState(data))
+    assert other.getFloat64([of["length"]]) == [0.7]
+    assert other.getInt32([of["bars"]]) == [4]
+    again = [other.getFloat64([of["angle"]])]
+    for k in range(20, 40):
+        other.doStep(currentCommunicationPoint=k * 0.005, communicationStepSize=0.005)
+        again.append(other.getFloat64([of["angle"]]))
+    assert again == on
+    one.reset()
+    assert one.getFloat64([of["length"]]) == [1.2]
+    one.setFMUState(state)
+    assert one.getFloat64([of["length"]]) == [0.7]
+    assert one.getFloat64([of["angle"]]) == on[0]
+    for fmu in (one, other):
+        fmu.freeInstance()
+
+
+def test_settings_of_the_time_when_it_was_written(tmp_path: Path) -> None:
+    """A parameter that was replaced then starts from that value, also one that followed from others."""
+    folder = extracted(mimbre.Model.from_text(arm, length=0.9, mass=4), tmp_path)
+    found = {v.name: v for v in fmpy.read_model_description(folder).modelVariables}
+    assert float(found["length"].start) == 0.9
+    assert found["mass"].causality == "parameter"
+    fmu = started(folder, {"length": 2.0})
+    run = mimbre.Model.from_text(arm, length=2.0, mass=4).run(until=0.1)
+    assert np.array_equal(history(fmu, folder, ["angle"], 20)[:, 0], run["angle"])
+    fmu.freeInstance()
+
+
+def test_built_models_have_no_fixed_parameters(pendulum: mimbre.Model, tmp_path: Path) -> None:
+    folder = extracted(pendulum, tmp_path)
+    found = fmpy.read_model_description(folder).modelVariables
+    assert [v.name for v in found if v.variability == "fixed"] == []
+
+
+# --- directional derivatives --------------------------------------------------------------------------------
+
+varied = """
+mimbre: 1
+parameters: {k: {value: 30, tunable: true}}
+inputs: {gain: {start: 1.5}, push: {unit: N, start: 20, range: [-100, 100]}, wanted: {start: 0.2}}
+bodies:
+  bar: {mass: 3, com: [0.5, 0, 0], inertia: [0.01, 0.2, 0.2]}
+  link: {mass: 1, com: [1, 0, -0.5], inertia: [0.1, 0.1, 0.01]}
+joints:
+  hinge: {type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0]}
+  pin: {type: revolute, between: [bar, link], at: [1, 0, 0], axis: [0, 1, 0]}
+springs:
+  rope: {between: [ground, link], at: [[1, 0, 2], null], force: "k*(l - 0.5)*(1 + gain^2) + 2*v"}
+loads:
+  gust: {on: link, at: [1, 0, -1], force: [1, 0, 0.5], scale: push*gain^2}
+signals:
+  angle: {joint: hinge}
+  mixed: "sin(angle + wanted)*gain^2*k"
+  in_time: "exp(-t)*gain + wanted^2*t^2"
+  servo: {pid: angle, setpoint: wanted*gain, kp: 2, ki: 3, kd: 0.05, filter: 0.04}
+actuators: {motor: {joint: hinge, torque: servo}}
+outputs:
+  - {name: rope, spring_force: rope}
+  - {name: height, position: link, component: z}
+  - {name: held, joint_force: hinge, component: fz}
+simulation: {step: 0.002, end: 1}
+"""
+
+
+@pytest.mark.parametrize("method", [{}, {"formulation": "natural"}, {"integrator": "radau"}])
+def test_derivatives_are_those_of_differences(tmp_path: Path, method: dict[str, Any]) -> None:
+    folder = extracted(mimbre.Model.from_text(varied), tmp_path, **method)
+    assert 'providesDirectionalDerivatives="true"' in (Path(folder) / "modelDescription.xml").read_text()
+    of = references_of(folder)
+    outputs = [of[name] for name in ("rope", "height", "held", "angle", "mixed", "in_time", "servo")]
+    knowns = [of[name] for name in ("k", "gain", "push", "wanted")]
+    fmu = started(folder, {})
+    history(fmu, folder, ["angle"], 40, 0.002)
+    at = np.array(fmu.getFloat64(knowns))
+    before = fmu.getFloat64(outputs)
+    for seed in ([1.0, 0, 0, 0], [0, 0.7, 0, 0], [0, 0, 20.0, 0], [0.3, -0.2, 9.0, 0.5]):
+        exact = np.array(fmu.getDirectionalDerivative(outputs, knowns, seed))
+        assert fmu.getFloat64(outputs) == before
+        state = fmu.getFMUState()
+
+        def shown(ahead: float, along: Any = seed, start: Any = state) -> np.ndarray:
+            fmu.setFloat64(knowns, list(at + ahead * np.array(along)))
+            values = np.array(fmu.getFloat64(outputs))
+            fmu.setFMUState(start)
+            return values
+
+        h = 1e-3
+        difference = (8 * (shown(h) - shown(-h)) - (shown(2 * h) - shown(-2 * h))) / (12 * h)
+        fmu.freeFMUState(state)
+        assert exact == pytest.approx(difference, rel=1e-8, abs=1e-8)
+    assert exact[0] != 0
+    assert exact[2] != 0
+    assert exact[1] == exact[3] == 0
+    t = 0.08
+    by_time = fmu.getDirectionalDerivative([of["in_time"], of["height"]], [of["time"]], [1.0])
+    assert by_time == [pytest.approx(-np.exp(-t) * 1.5 + 2 * 0.04 * t, abs=1e-12), 0.0]
+    # Between steps outputs are on a line.
+    fmu.doStep(currentCommunicationPoint=0.08, communicationStepSize=0.0005)
+    here = fmu.getFloat64([of["height"]])[0]
+    slope = fmu.getDirectionalDerivative([of["height"]], [of["time"]], [1.0])[0]
+    fmu.doStep(currentCommunicationPoint=0.0805, communicationStepSize=0.0005)
+    assert slope == pytest.approx((fmu.getFloat64([of["height"]])[0] - here) / 0.0005, rel=1e-9)
+    fmu.freeInstance()
+
+
+def test_derivatives_with_parameters(tmp_path: Path) -> None:
+    """Of the model with them, and not of an input that is none."""
+    folder = extracted(mimbre.Model.from_text(arm + "signals: {moment: (torque - k*angle)*length}\n"), tmp_path)
+    of = references_of(folder)
+    messages: list[str] = []
+    fmu = started(folder, {"length": 2.0}, messages)
+    assert fmu.getDirectionalDerivative([of["moment"]], [of["torque"]], [1.0]) == [2.0]
+    with pytest.raises(Exception, match="error"):
+        fmu.getDirectionalDerivative([of["moment"]], [of["length"]], [1.0])
+    assert "neither input nor tunable parameter" in messages[-1]
+    fmu.freeInstance()

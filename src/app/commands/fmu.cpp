@@ -24,6 +24,7 @@ int run_fmu(const FmuArguments& a) {
   fmu.version = a.version == "2" ? 2 : 3;
   fmu.kind = a.kind == "me" ? FmuOptions::Kind::model_exchange : FmuOptions::Kind::co_simulation;
   if (fmu.name.empty()) fmu.name = identifier_of(a.model);
+  fmu.settings = overrides(a.settings);
   const RunOptions method = run_options(a.method, loaded.model->spec().simulation);
   const WrittenFmu written = write_fmu(loaded.model, method, fmu, a.file);
   for (const std::string& output : written.left_out)

@@ -119,7 +119,10 @@ class Description {
       case Role::input:
         return "input";
       case Role::parameter:
+      case Role::fixed:
         return "parameter";
+      case Role::derived:
+        return "calculatedParameter";
       case Role::state:
       case Role::derivative:
       case Role::indicator:
@@ -129,12 +132,25 @@ class Description {
     }
   }
   static const char* variability(Role role) {
-    return role == Role::parameter ? "tunable" : role == Role::count ? "discrete" : "continuous";
+    switch (role) {
+      case Role::parameter:
+        return "tunable";
+      case Role::fixed:
+      case Role::derived:
+        return "fixed";
+      case Role::count:
+        return "discrete";
+      default:
+        return "continuous";
+    }
   }
   static const char* initial(Role role) {
-    return role == Role::parameter ? "exact" : role == Role::time || role == Role::input ? "" : "calculated";
+    if (role == Role::parameter || role == Role::fixed) return "exact";
+    return role == Role::time || role == Role::input ? "" : "calculated";
   }
-  static bool starts(Role role) { return role == Role::input || role == Role::parameter; }
+  static bool starts(Role role) {
+    return role == Role::input || role == Role::parameter || role == Role::fixed;
+  }
 
   void common(pugi::xml_node node, const FmuVariable& v) {
     set(node, "name", one_line(v.name));
@@ -145,22 +161,24 @@ class Description {
     if (*initial(v.role)) set(node, "initial", std::string(initial(v.role)));
   }
   void value(pugi::xml_node node, const FmuVariable& v) {
-    if (v.role == Role::count) return;
     if (!v.unit.empty()) set(node, "unit", one_line(v.unit));
     if (v.unit == "rad") set(node, "displayUnit", std::string("deg"));
     if (v.role == Role::derivative) set(node, "derivative", listed({v.state}));
     if (!starts(v.role)) return;
-    if (std::isfinite(v.min)) set(node, "min", v.min);
-    if (std::isfinite(v.max)) set(node, "max", v.max);
-    set(node, "start", v.start);
+    const auto number = [&](const char* name, double value) {
+      v.integer ? set(node, name, fmt::format("{:.0f}", value)) : set(node, name, value);
+    };
+    if (std::isfinite(v.min)) number("min", v.min);
+    if (std::isfinite(v.max)) number("max", v.max);
+    number("start", v.start);
   }
   void variable_of_2(pugi::xml_node list, const FmuVariable& v) {
     pugi::xml_node node = list.append_child("ScalarVariable");
     common(node, v);
-    value(node.append_child(v.role == Role::count ? "Integer" : "Real"), v);
+    value(node.append_child(v.integer ? "Integer" : "Real"), v);
   }
   void variable_of_3(pugi::xml_node list, const FmuVariable& v) {
-    pugi::xml_node node = list.append_child(v.role == Role::count ? "Int32" : "Float64");
+    pugi::xml_node node = list.append_child(v.integer ? "Int32" : "Float64");
     common(node, v);
     value(node, v);
     if (v.outputs.size() > 1)
@@ -199,7 +217,7 @@ class Description {
     unknowns(all, "Outputs", "Output", true, {Role::output, Role::count});
     unknowns(all, "Derivatives", "ContinuousStateDerivative", true, {Role::derivative});
     unknowns(all, "InitialUnknowns", "InitialUnknown", false,
-             {Role::output, Role::count, Role::state, Role::derivative});
+             {Role::output, Role::derived, Role::count, Role::state, Role::derivative});
     if (!two()) unknowns(all, "", "EventIndicator", true, {Role::indicator});
   }
 

@@ -143,9 +143,9 @@ const char* const fmi2_text = R"c(
 }
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2SetInteger)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                                        const fmi2Integer value[]) {
-  (void)vr;
-  (void)value;
-  return @_FMU_OF(c, count > 0 ? @_fmu_wrong((@_fmu *)c, "no variable of this type can be set") : @_FMU_OK);
+  @_fmu *const f = (@_fmu *)c;
+  if (!f || !@_fmu_list(f, vr, count, value, count)) return fmi2Error;
+  return (fmi2Status)@_fmu_set_counts(f, vr, count, value);
 }
 @_FMU_EXPORT fmi2Status @_FMU_NAME(fmi2GetBoolean)(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                                        fmi2Boolean value[]) {

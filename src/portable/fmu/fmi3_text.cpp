@@ -166,11 +166,9 @@ static int @_fmu_list_reals(const @_fmu *f, const @_fmu_reference *references, s
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3SetInt32)(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
                                      const fmi3Int32 values[], size_t value_count) {
-  (void)vr;
-  (void)values;
-  (void)value_count;
-  return @_FMU_OF(instance,
-                  count > 0 ? @_fmu_wrong((@_fmu *)instance, "no variable of this type can be set") : @_FMU_OK);
+  @_fmu *const f = (@_fmu *)instance;
+  if (!f || !@_fmu_list(f, vr, count, values, value_count)) return fmi3Error;
+  return (fmi3Status)@_fmu_set_counts(f, vr, count, values);
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetFloat32)(fmi3Instance instance, const fmi3ValueReference vr[], size_t count, fmi3Float32 values[], size_t value_count) {
   (void)vr;

@@ -32,10 +32,18 @@ void add_states(const GeneratedCode& code, int version, const Add& add, unsigned
   std::vector<std::string> names;
   for (std::size_t k = 0; k < code.states.size(); ++k) names.push_back(fmt::format("state.{}", k + 1));
   for (std::size_t k = 0; k < code.states.size(); ++k)
-    add({names[k], code.states[k].unit, code.states[k].meaning, 0, Role::state, 0, -none, none}, "fmu.");
+    add({names[k], code.states[k].unit, code.states[k].meaning, 0, Role::state, false, 0, -none, none},
+        "fmu.");
   for (std::size_t k = 0; k < code.states.size(); ++k) {
-    FmuVariable v{
-        fmt::format("der({})", names[k]), code.states[k].rate_unit, "", 0, Role::derivative, 0, -none, none};
+    FmuVariable v{fmt::format("der({})", names[k]),
+                  code.states[k].rate_unit,
+                  "",
+                  0,
+                  Role::derivative,
+                  false,
+                  0,
+                  -none,
+                  none};
     v.depends_on_all = true;
     v.state = first + static_cast<unsigned>(k);
     add(std::move(v), "fmu.");
@@ -47,12 +55,23 @@ void add_states(const GeneratedCode& code, int version, const Add& add, unsigned
                   "positive while the continuous states are well chosen",
                   0,
                   Role::indicator,
+                  false,
                   0,
                   -none,
                   none};
     v.depends_on_all = true;
     add(std::move(v), "fmu.");
   }
+}
+
+/// Fixed parameters: real numbers, or whole ones.
+template <class Add>
+void add_parameters(const GeneratedCode& code, bool integer, const Add& add) {
+  for (const GeneratedParameter& p : code.parameters)
+    if (p.integer == integer)
+      add({p.name, integer ? "" : "1", p.meaning, 0, p.derived ? Role::derived : Role::fixed, integer,
+           p.start, p.min, p.max},
+          "parameter.");
 }
 
 /// References are the places in the list.
@@ -72,14 +91,15 @@ std::vector<FmuVariable> variables_of(const GeneratedCode& code, FmuOptions::Kin
     return std::any_of(code.inputs.begin(), code.inputs.end(), same) ||
            std::any_of(code.outputs.begin(), code.outputs.end(), same);
   };
-  add({is_called("time") ? "fmu.time" : "time", "s", "time", 0, Role::time, 0, -none, none}, "");
+  add({is_called("time") ? "fmu.time" : "time", "s", "time", 0, Role::time, false, 0, -none, none}, "");
   for (const GeneratedVariable& v : code.inputs)
     add({v.name, v.unit.empty() ? "1" : v.unit, v.meaning, 0, v.tunable ? Role::parameter : Role::input,
-         v.start, v.min, v.max},
+         false, v.start, v.min, v.max},
         "input.");
   int number = 0;
   for (const GeneratedVariable& v : code.outputs) {
-    FmuVariable output{v.name, v.unit.empty() ? "1" : v.unit, v.meaning, 0, Role::output, 0, -none, none};
+    FmuVariable output{v.name, v.unit.empty() ? "1" : v.unit, v.meaning, 0, Role::output, false, 0, -none,
+                       none};
     output.outputs = {number++};
     // Both versions count the time among the knowns, parameters FMI 3 alone.
     if (v.by_time) output.dependencies.push_back(0);
@@ -91,6 +111,7 @@ std::vector<FmuVariable> variables_of(const GeneratedCode& code, FmuOptions::Kin
       output.dependencies.push_back(first_state + k);
     add(std::move(output), "output.");
   }
+  add_parameters(code, false, add);
   if (exchange)
     add_states(code, version, add, first_state);
   else
@@ -99,7 +120,8 @@ std::vector<FmuVariable> variables_of(const GeneratedCode& code, FmuOptions::Kin
           std::pair("solver.iterations", "iterations of the last communication step"),
           std::pair("solver.unconverged_steps",
                     "steps so far that were taken before their iterations had converged")})
-      add({name, "", meaning, 0, Role::count, 0, -none, none}, "fmu.");
+      add({name, "", meaning, 0, Role::count, true, 0, -none, none}, "fmu.");
+  add_parameters(code, true, add);
   for (std::size_t k = 0; k < list.size(); ++k) list[k].reference = static_cast<unsigned>(k);
   return list;
 }
@@ -186,7 +208,7 @@ FmuCode generate_fmu(const std::shared_ptr<const Model>& model, const RunOptions
   out.with_library = fmu.with_library;
   out.arrays = fmu.arrays;
   const std::string name = fmu.name.empty() ? identifier_of(model->spec().file) : fmu.name;
-  out.code = fmu.with_library ? portable::library_code(model, options, name)
+  out.code = fmu.with_library ? portable::library_code(model, options, name, fmu.settings)
              : exchange       ? generate_exchange_code(model, options, name)
                               : portable::generate_steps(model, options, name, true);
   out.token = token_of(out.code, fmu.version, fmu.arrays);

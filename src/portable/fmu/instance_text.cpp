@@ -9,10 +9,11 @@ const char* const fmu_instance_text = R"c(
 /* Results of calls; the same numbers in all versions of FMI. */
 enum { @_FMU_OK = 0, @_FMU_WARNING = 1, @_FMU_DISCARD = 2, @_FMU_ERROR = 3, @_FMU_FATAL = 4 };
 
+/* A state that was saved; that of the model lies behind it. */
 typedef struct @_fmu_saved {
   struct @_fmu_saved *next;
+  size_t size; /* of that */
   @_fmu_progress progress;
-  @_state state;
 } @_fmu_saved;
 
 typedef struct {
@@ -23,8 +24,10 @@ typedef struct {
   @ model;
 } @_fmu;
 
-#define @_FMU_HEAD 64 /* bytes of the token in a serialized state */
-#define @_FMU_SERIALIZED (@_FMU_HEAD + 8 + sizeof(@_fmu_progress) + sizeof(@_state))
+/* A serialized state: the token, a checksum of all that follows, the size of the model's state, the progress, that
+ * state. */
+#define @_FMU_HEAD 64 /* bytes of the token */
+#define @_FMU_BEFORE_STATE (@_FMU_HEAD + 16 + sizeof(@_fmu_progress))
 
 static int @_fmu_tell(const @_fmu *f, int status, const char *message) {
   if (status != @_FMU_WARNING || f->logs)
@@ -186,11 +189,45 @@ static int @_fmu_get_reals(@_fmu *f, const @_fmu_reference *references, size_t c
   return status;
 }
 
+#if @_FMU_PARAMETERS + @_FMU_WHOLE_PARAMETERS > 0
+static int @_fmu_check_parameter(@_fmu *f, int parameter, double value) {
+  if (@_check_parameter(&f->model, parameter, value) != @_MADE) return @_fmu_wrong(f, @_message(&f->model));
+  return @_FMU_OK;
+}
+#endif
+
+static int @_fmu_set_counts(@_fmu *f, const @_fmu_reference *references, size_t count, const @_fmu_integer *values) {
+#if @_FMU_WHOLE_PARAMETERS > 0
+  size_t k;
+  if (!@_fmu_turn(f, @_FMU_SETTABLE)) return @_FMU_ERROR;
+  for (k = 0; k < count; ++k) {
+    if (!@_fmu_known(references[k], @_FMU_FIRST_WHOLE, @_FMU_WHOLE_PARAMETERS))
+      return @_fmu_wrong(f, "a reference belongs to no parameter of this type; nothing was set");
+    if (@_fmu_check_parameter(f, @_FMU_PARAMETERS + (int)(references[k] - @_FMU_FIRST_WHOLE), values[k]) != @_FMU_OK)
+      return @_FMU_ERROR;
+  }
+  for (k = 0; k < count; ++k)
+    @_set_parameter(&f->model, @_FMU_PARAMETERS + (int)(references[k] - @_FMU_FIRST_WHOLE), values[k]);
+  return @_FMU_OK;
+#else
+  (void)references;
+  (void)values;
+  return count > 0 ? @_fmu_wrong(f, "no variable of this type can be set") : @_FMU_OK;
+#endif
+}
+
 static int @_fmu_set_reals(@_fmu *f, const @_fmu_reference *references, size_t count, const double *values) {
   size_t k;
   int limited = 0;
   if (!@_fmu_turn(f, @_FMU_SETTABLE)) return @_FMU_ERROR;
   for (k = 0; k < count; ++k) {
+#if @_FMU_PARAMETERS > 0
+    if (@_fmu_known(references[k], @_FMU_FIRST_PARAMETER, @_FMU_PARAMETERS)) {
+      if (@_fmu_check_parameter(f, (int)(references[k] - @_FMU_FIRST_PARAMETER), values[k]) != @_FMU_OK)
+        return @_FMU_ERROR;
+      continue;
+    }
+#endif
     if (!@_fmu_known(references[k], 1, @_FMU_INPUTS))
       return @_fmu_wrong(f, "a reference belongs to neither an input nor a parameter; nothing was set");
     if ((f->progress.mode & @_FMU_FIXED) && @_fmu_tunable[references[k] - 1])
@@ -200,6 +237,12 @@ static int @_fmu_set_reals(@_fmu *f, const @_fmu_reference *references, size_t c
   for (k = 0; k < count; ++k) {
     const int input = (int)references[k] - 1;
     double value = values[k];
+#if @_FMU_PARAMETERS > 0
+    if (references[k] >= @_FMU_FIRST_PARAMETER) {
+      @_set_parameter(&f->model, (int)(references[k] - @_FMU_FIRST_PARAMETER), value);
+      continue;
+    }
+#endif
     if (value < @_fmu_least[input]) value = @_fmu_least[input];
     if (value > @_fmu_most[input]) value = @_fmu_most[input];
     limited = limited || value != values[k];
@@ -216,12 +259,27 @@ static @_fmu_saved *@_fmu_find(const @_fmu *f, const void *state) {
   return one;
 }
 
-static @_fmu_saved *@_fmu_new_state(@_fmu *f) {
-  @_fmu_saved *const one = (@_fmu_saved *)@_fmu_allocate(&f->host, sizeof *one);
+static unsigned char *@_fmu_bytes(@_fmu_saved *state) { return (unsigned char *)(state + 1); }
+
+/* How large the model's state is; 0, with a message: there is none. */
+static size_t @_fmu_size_of_state(@_fmu *f) {
+#if @_FMU_LIBRARY
+  const size_t size = @_state_size(&f->model);
+  if (size == 0) @_fmu_wrong(f, @_message(&f->model));
+  return size;
+#else
+  (void)f;
+  return sizeof(@_state);
+#endif
+}
+
+static @_fmu_saved *@_fmu_new_state(@_fmu *f, size_t size) {
+  @_fmu_saved *const one = (@_fmu_saved *)@_fmu_allocate(&f->host, sizeof *one + size);
   if (!one) {
     @_fmu_wrong(f, "out of memory for a state");
     return NULL;
   }
+  one->size = size;
   one->next = f->saved;
   f->saved = one;
   return one;
@@ -234,32 +292,44 @@ static void @_fmu_take_out(@_fmu *f, @_fmu_saved *state) {
   @_fmu_release(&f->host, state);
 }
 
+/* A place for a state of that size: `before`, where it is one; else a new one in place of it. */
+static @_fmu_saved *@_fmu_place(@_fmu *f, @_fmu_saved *before, size_t size) {
+  @_fmu_saved *one = before;
+  if (before && before->size == size) return before;
+  one = @_fmu_new_state(f, size);
+  if (one && before) @_fmu_take_out(f, before);
+  return one;
+}
+
 static int @_fmu_get_state(@_fmu *f, void **state) {
   @_fmu_saved *one;
+  size_t size;
   if (!state) return @_fmu_wrong(f, "the pointer for the state is missing");
   if (*state && !@_fmu_find(f, *state)) return @_fmu_wrong(f, "the state does not belong to this instance");
-  one = *state ? @_fmu_find(f, *state) : @_fmu_new_state(f);
+  size = @_fmu_size_of_state(f);
+  one = size > 0 ? @_fmu_place(f, *state ? @_fmu_find(f, *state) : NULL, size) : NULL;
   if (!one) return @_FMU_ERROR;
+  *state = one;
   memcpy(&one->progress, &f->progress, sizeof f->progress);
 #if @_FMU_LIBRARY
-  if (@_save(&f->model, &one->state) != @_MADE) {
-    if (!*state) @_fmu_take_out(f, one);
+  if (@_save(&f->model, @_fmu_bytes(one), size) != @_MADE) {
+    @_fmu_take_out(f, one);
+    *state = NULL;
     return @_fmu_wrong(f, @_message(&f->model));
   }
 #else
-  @_save(&f->model, &one->state);
+  @_save(&f->model, (@_state *)(void *)@_fmu_bytes(one));
 #endif
-  *state = one;
   return @_FMU_OK;
 }
 
 static int @_fmu_set_state(@_fmu *f, const void *state) {
-  const @_fmu_saved *const one = @_fmu_find(f, state);
+  @_fmu_saved *const one = @_fmu_find(f, state);
   if (!one) return @_fmu_wrong(f, "the state does not belong to this instance");
 #if @_FMU_LIBRARY
-  if (@_restore(&f->model, &one->state) != @_MADE) return @_fmu_wrong(f, @_message(&f->model));
+  if (@_restore(&f->model, @_fmu_bytes(one), one->size) != @_MADE) return @_fmu_wrong(f, @_message(&f->model));
 #else
-  @_restore(&f->model, &one->state);
+  @_restore(&f->model, (const @_state *)(void *)@_fmu_bytes(one));
 #endif
   memcpy(&f->progress, &one->progress, sizeof f->progress);
   return @_FMU_OK;
@@ -284,22 +354,25 @@ static uint64_t @_fmu_checksum(const unsigned char *bytes, size_t count) {
 }
 
 static int @_fmu_state_size(@_fmu *f, const void *state, size_t *size) {
-  if (!size || !@_fmu_find(f, state)) return @_fmu_wrong(f, "the state does not belong to this instance, or the pointer for its size is missing");
-  *size = @_FMU_SERIALIZED;
+  const @_fmu_saved *const one = @_fmu_find(f, state);
+  if (!size || !one) return @_fmu_wrong(f, "the state does not belong to this instance, or the pointer for its size is missing");
+  *size = @_FMU_BEFORE_STATE + one->size;
   return @_FMU_OK;
 }
 
 static int @_fmu_write_state(@_fmu *f, const void *state, unsigned char *bytes, size_t size) {
-  const @_fmu_saved *const one = @_fmu_find(f, state);
+  @_fmu_saved *const one = @_fmu_find(f, state);
   unsigned char *const data = bytes ? bytes + @_FMU_HEAD + 8 : NULL;
-  uint64_t sum;
+  uint64_t sum, length;
   if (!one || !bytes) return @_fmu_wrong(f, "the state does not belong to this instance, or the array for its bytes is missing");
-  if (size < @_FMU_SERIALIZED) return @_fmu_wrong(f, "the array is too small for the state");
+  if (size < @_FMU_BEFORE_STATE + one->size) return @_fmu_wrong(f, "the array is too small for the state");
   memset(bytes, 0, size);
   memcpy(bytes, @_FMU_TOKEN, sizeof @_FMU_TOKEN);
-  memcpy(data, &one->progress, sizeof one->progress);
-  memcpy(data + sizeof one->progress, &one->state, sizeof one->state);
-  sum = @_fmu_checksum(data, sizeof one->progress + sizeof one->state);
+  length = one->size;
+  memcpy(data, &length, sizeof length);
+  memcpy(data + 8, &one->progress, sizeof one->progress);
+  memcpy(bytes + @_FMU_BEFORE_STATE, @_fmu_bytes(one), one->size);
+  sum = @_fmu_checksum(data, 8 + sizeof one->progress + one->size);
   memcpy(bytes + @_FMU_HEAD, &sum, sizeof sum);
   return @_FMU_OK;
 }
@@ -307,18 +380,19 @@ static int @_fmu_write_state(@_fmu *f, const void *state, unsigned char *bytes, 
 static int @_fmu_read_state(@_fmu *f, const unsigned char *bytes, size_t size, void **state) {
   const unsigned char *const data = bytes ? bytes + @_FMU_HEAD + 8 : NULL;
   @_fmu_saved *one;
-  uint64_t sum;
+  uint64_t sum, length;
   if (!bytes || !state) return @_fmu_wrong(f, "the bytes of a state, or the pointer for it, are missing");
-  if (size < @_FMU_SERIALIZED || memcmp(bytes, @_FMU_TOKEN, sizeof @_FMU_TOKEN) != 0)
+  if (size < @_FMU_BEFORE_STATE || memcmp(bytes, @_FMU_TOKEN, sizeof @_FMU_TOKEN) != 0)
     return @_fmu_wrong(f, "the bytes are not those of a state of this FMU");
   memcpy(&sum, bytes + @_FMU_HEAD, sizeof sum);
-  if (sum != @_fmu_checksum(data, sizeof one->progress + sizeof one->state))
+  memcpy(&length, data, sizeof length);
+  if (length > size - @_FMU_BEFORE_STATE || sum != @_fmu_checksum(data, 8 + sizeof one->progress + (size_t)length))
     return @_fmu_wrong(f, "the bytes of the state are damaged");
   if (*state && !@_fmu_find(f, *state)) return @_fmu_wrong(f, "the state does not belong to this instance");
-  one = *state ? @_fmu_find(f, *state) : @_fmu_new_state(f);
+  one = @_fmu_place(f, *state ? @_fmu_find(f, *state) : NULL, (size_t)length);
   if (!one) return @_FMU_ERROR;
-  memcpy(&one->progress, data, sizeof one->progress);
-  memcpy(&one->state, data + sizeof one->progress, sizeof one->state);
+  memcpy(&one->progress, data + 8, sizeof one->progress);
+  memcpy(@_fmu_bytes(one), bytes + @_FMU_BEFORE_STATE, one->size);
   *state = one;
   return @_FMU_OK;
 }

@@ -33,6 +33,10 @@ const char* kind(FmuVariable::Role role) {
       return "";
     case Role::input:
       return "input";
+    case Role::fixed:
+      return "fixed parameter";
+    case Role::derived:
+      return "parameter that follows from others";
     case Role::parameter:
       return "tunable parameter";
     case Role::state:
@@ -87,7 +91,7 @@ std::string fmu_page(const FmuCode& fmu, const Model& model, const std::string& 
   page += exchange ? text_of_exchange() : text_of_steps(fmu);
   page += "<table><tr><th>variable</th><th>unit</th><th>meaning</th><th>start</th><th>range</th></tr>\n";
   for (const FmuVariable& v : fmu.variables) {
-    const bool starts = v.role == Role::input || v.role == Role::parameter;
+    const bool starts = v.role == Role::input || v.role == Role::parameter || v.role == Role::fixed;
     page += fmt::format("<tr><td>{}</td><td>{}</td><td>{}{}</td><td>{}</td><td>{}</td></tr>\n",
                         escaped(v.name) + (v.outputs.size() > 1 ? fmt::format("[{}]", v.outputs.size()) : ""),
                         escaped(v.unit), kind(v.role),

@@ -25,9 +25,12 @@ enum {
 #define @_FMU_NO_ADJOINTS "the FMU has neither adjoint nor directional derivatives"
 #endif
 
-/* References: the time; inputs and parameters; outputs; counts. */
+/* References: the time; inputs and tunable parameters; outputs; fixed parameters; counts; fixed parameters that are
+ * whole numbers. */
 #define @_FMU_FIRST_OUTPUT (1u + @_FMU_INPUTS)
-#define @_FMU_FIRST_COUNT (@_FMU_FIRST_OUTPUT + @_FMU_OUTPUTS)
+#define @_FMU_FIRST_PARAMETER (@_FMU_FIRST_OUTPUT + @_FMU_OUTPUTS)
+#define @_FMU_FIRST_COUNT (@_FMU_FIRST_PARAMETER + @_FMU_PARAMETERS)
+#define @_FMU_FIRST_WHOLE (@_FMU_FIRST_COUNT + @_FMU_COUNTS)
 #define @_FMU_REALS @_FMU_FIRST_COUNT
 enum { @_FMU_COUNT_STEPS, @_FMU_COUNT_ITERATIONS, @_FMU_COUNT_UNCONVERGED, @_FMU_COUNTS };
 
@@ -59,6 +62,12 @@ static int @_fmu_real(@_fmu *f, unsigned long reference, double *value) {
     *value = f->progress.now;
   else if (reference < @_FMU_FIRST_OUTPUT)
     *value = f->progress.given[reference - 1];
+#if @_FMU_PARAMETERS > 0
+  else if (reference >= @_FMU_FIRST_PARAMETER) {
+    if (@_get_parameter(&f->model, (int)(reference - @_FMU_FIRST_PARAMETER), value) != @_MADE)
+      return @_fmu_wrong(f, @_message(&f->model));
+  }
+#endif
   else {
 #if @_FMU_LIBRARY
     if (!f->progress.between && @_find(&f->model) != @_MADE) return @_fmu_wrong(f, @_message(&f->model));
@@ -83,13 +92,40 @@ static int @_fmu_count(const @_fmu *f, unsigned long reference) {
 static int @_fmu_get_counts(@_fmu *f, const @_fmu_reference *references, size_t count, @_fmu_integer *values) {
   size_t k;
   for (k = 0; k < count; ++k)
-    if (!@_fmu_known(references[k], @_FMU_FIRST_COUNT, @_FMU_COUNTS))
+    if (!@_fmu_known(references[k], @_FMU_FIRST_COUNT, @_FMU_COUNTS + @_FMU_WHOLE_PARAMETERS))
       return @_fmu_wrong(f, "a reference belongs to no variable of this type; nothing was read");
-  for (k = 0; k < count; ++k) values[k] = @_fmu_count(f, references[k]);
+  for (k = 0; k < count; ++k) {
+#if @_FMU_WHOLE_PARAMETERS > 0
+    if (references[k] >= @_FMU_FIRST_WHOLE) {
+      double value;
+      if (@_get_parameter(&f->model, @_FMU_PARAMETERS + (int)(references[k] - @_FMU_FIRST_WHOLE), &value) != @_MADE)
+        return @_fmu_wrong(f, @_message(&f->model));
+      values[k] = (@_fmu_integer)value;
+      continue;
+    }
+#endif
+    values[k] = @_fmu_count(f, references[k]);
+  }
   return @_FMU_OK;
 }
 
 #if @_FMU_VARIES
+/* How outputs that are asked for vary at an instant of the model, at their places among all. */
+static int @_fmu_vary_at_rest(@_fmu *f, const int *asked, const double *inputs, double time, double *outputs) {
+#if @_FMU_LIBRARY
+  int list[@_FMU_OUTPUTS + 1], count = 0, k;
+  double found[@_FMU_OUTPUTS + 1];
+  for (k = 0; k < @_FMU_OUTPUTS; ++k)
+    if (asked[k]) list[count++] = k;
+  if (@_vary(&f->model, inputs, time, list, count, found) != @_MADE) return @_fmu_wrong(f, @_message(&f->model));
+  for (k = 0; k < count; ++k) outputs[list[k]] = found[k];
+#else
+  (void)asked;
+  @_vary(&f->model, inputs, time, outputs);
+#endif
+  return @_FMU_OK;
+}
+
 /* The directional derivatives of outputs along the seed of inputs, parameters and the time, the motion being that of now.
  * Between two steps outputs are on a line, and inputs count from its end on. */
 static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_count, const @_fmu_reference *knowns,
@@ -97,7 +133,7 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
   const @_fmu_progress *const p = &f->progress;
   double inputs[@_FMU_INPUTS + 1], outputs[@_FMU_OUTPUTS + 1], time = 0.0;
   size_t k, e;
-  int output;
+  int output, asked[@_FMU_OUTPUTS + 1] = {0};
   if (!@_fmu_turn(f, @_FMU_STARTS | @_FMU_RUNS | @_FMU_STOPPED | @_FMU_TERMINATED)) return @_FMU_ERROR;
   if ((unknown_count > 0 && (!unknowns || !result)) || (known_count > 0 && (!knowns || !seed)))
     return @_fmu_wrong(f, "the references, the seed or the array of results is missing");
@@ -105,9 +141,11 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
   for (k = 0; k < unknown_count; ++k)
     if (!@_fmu_known(unknowns[k], @_FMU_FIRST_OUTPUT, @_FMU_OUTPUTS) || @_fmu_size(unknowns[k]) == 0)
       return @_fmu_wrong(f, "an unknown is no output of real numbers; nothing was read");
+  for (k = 0; k < unknown_count; ++k)
+    for (e = 0; e < @_fmu_size(unknowns[k]); ++e) asked[@_fmu_element(unknowns[k], e) - @_FMU_FIRST_OUTPUT] = 1;
   for (k = 0; k < known_count; ++k) {
     if (!@_fmu_known(knowns[k], 0, 1u + @_FMU_INPUTS))
-      return @_fmu_wrong(f, "a known is neither input nor parameter nor the time; nothing was read");
+      return @_fmu_wrong(f, "a known is neither input nor tunable parameter nor the time; nothing was read");
     if (!@_fmu_finite(seed[k])) return @_fmu_wrong(f, "a seed is not finite; nothing was read");
     if (knowns[k] == 0)
       time += seed[k];
@@ -117,8 +155,8 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
   if (p->between)
     for (output = 0; output < @_FMU_OUTPUTS; ++output)
       outputs[output] = time*(p->after[output] - p->before[output])/@_FMU_STEP;
-  else
-    @_vary(&f->model, inputs, time, outputs);
+  else if (@_fmu_vary_at_rest(f, asked, inputs, time, outputs) != @_FMU_OK)
+    return @_FMU_ERROR;
   for (k = 0; k < unknown_count; ++k)
     for (e = 0; e < @_fmu_size(unknowns[k]); ++e)
       *result++ = outputs[@_fmu_element(unknowns[k], e) - @_FMU_FIRST_OUTPUT];

@@ -70,6 +70,10 @@ std::string fmu_wrapper(const FmuCode& fmu) {
   define.text("TOKEN", '"' + fmu.token + '"');
   define("INPUTS", std::ssize(fmu.code.inputs));
   define("OUTPUTS", std::ssize(fmu.code.outputs));
+  const auto whole = std::count_if(fmu.code.parameters.begin(), fmu.code.parameters.end(),
+                                   [](const GeneratedParameter& p) { return p.integer; });
+  define("PARAMETERS", std::ssize(fmu.code.parameters) - whole);
+  define("WHOLE_PARAMETERS", whole);
   define("LIBRARY", fmu.with_library ? 1L : 0L);
   define("VARIES", long{fmu.code.varies});
   const Arrays arrays(fmu);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "mimbre/simulation.h"
 #include "portable/code_parts.h"
 #include "portable/library/library_text.h"
+#include "portable/library/record_source.h"
 #include "portable/library/runtime_options.h"
 #include "portable/program.h"
 #include "portable/write_tables.h"
@@ -83,21 +85,12 @@ std::vector<GeneratedVariable> inputs_of(const Simulation& simulation) {
   return out;
 }
 
-/// The channels that are outputs, as of code: the model's outputs and signals; where it has no outputs, its
-/// joints' coordinates. With their names.
-std::vector<std::pair<int, std::string>> output_channels(const Simulation& simulation) {
-  const std::vector<ChannelInfo>& channels = simulation.channels();
-  const std::string signal = "signal.";
-  std::vector<std::pair<int, std::string>> out;
-  for (int k = 0; k < simulation.output_count(); ++k)
-    out.emplace_back(k, channels[static_cast<std::size_t>(k)].name);
-  for (std::size_t k = out.size(); k < channels.size(); ++k) {
-    const std::string& name = channels[k].name;
-    if (name.starts_with(signal)) out.emplace_back(static_cast<int>(k), name.substr(signal.size()));
-  }
-  for (std::size_t k = 0; k < channels.size() && simulation.output_count() == 0; ++k)
-    if (channels[k].name.starts_with("joint.") && channels[k].name.find(".position") != std::string::npos)
-      out.emplace_back(static_cast<int>(k), channels[k].name);
+/// Fixed ones, whole ones last.
+std::vector<GeneratedParameter> parameters_of(const std::optional<ModelSource>& source) {
+  std::vector<GeneratedParameter> out;
+  if (!source) return out;
+  for (const model_file::DeclaredParameter& p : source->parameters)
+    out.push_back({p.name, p.about, std::get<double>(p.value), p.min, p.max, p.integer, p.derived});
   return out;
 }
 
@@ -128,7 +121,7 @@ std::string table_of(const std::vector<std::byte>& bytes) {
 }  // namespace
 
 GeneratedCode library_code(const std::shared_ptr<const Model>& model, const RunOptions& options,
-                           const std::string& name) {
+                           const std::string& name, const std::map<std::string, std::string>& settings) {
   check_identifier(name);
   if (name.starts_with("mimbre_"))
     throw InputError(Mark{},
@@ -140,12 +133,17 @@ GeneratedCode library_code(const std::shared_ptr<const Model>& model, const RunO
   if (spec.simulation.integrator == spec::Simulation::Integrator::automatic)
     spec.simulation.integrator = simulation.method().integrator;
   const std::vector<std::byte> bytes = model_bytes(spec);
+  std::optional<ModelSource> source = source_of(model->spec(), settings);
+  if (source && source->parameters.empty()) source.reset();
+  const std::vector<std::byte> texts = source ? source_bytes(*source) : std::vector<std::byte>();
   GeneratedCode out;
   out.name = name;
   out.step = simulation.step_size();
+  out.varies = true;
   out.inputs = inputs_of(simulation);
+  out.parameters = parameters_of(source);
   std::vector<int> channels;
-  for (const auto& [channel, called] : output_channels(simulation)) {
+  for (const auto& [channel, called] : output_channels(simulation.channels(), simulation.output_count())) {
     channels.push_back(channel);
     out.outputs.push_back(output_of(simulation, channel, called));
   }
@@ -153,15 +151,16 @@ GeneratedCode library_code(const std::shared_ptr<const Model>& model, const RunO
   out.bytes = static_cast<long>(state_bytes(simulation));
   out.header = fmt::format(
       "/* {0}, moved by mimbre's library. */\n"
-      "#define {1}_STEP {2} /* s */\n"
-      "#define {3}_STATE {4}\n",
-      comment(model->spec().title.empty() ? name : model->spec().title), upper, literal(out.step), name,
-      out.bytes);
+      "#define {1}_STEP {2} /* s */\n",
+      comment(model->spec().title.empty() ? name : model->spec().title), upper, literal(out.step));
   out.header += named(library_header_text, name);
   out.source = fmt::format("#include \"{}.h\"\n\n", name);
-  out.source += fmt::format("#define {}_SIZE {}ul\n", name, bytes.size());
-  out.source +=
-      fmt::format("static const unsigned long long {}_bytes[] = {{\n{}}};\n", name, table_of(bytes));
+  for (const auto& [size, called, block] :
+       {std::tuple("SIZE", "bytes", &bytes), {"SOURCE", "source", &texts}}) {
+    out.source += fmt::format("#define {}_{} {}ul\n", name, size, block->size());
+    out.source += fmt::format("static const unsigned long long {}_{}[] = {{\n{}}};\n", name, called,
+                              block->empty() ? "0" : table_of(*block));
+  }
   out.source += table(name + "_channels", channels) + named(library_source_text, name);
   return out;
 }
