@@ -37,16 +37,19 @@ for mode in ride:
 # %% [markdown]
 # ## Steering on a circle
 #
-# At 20 m/s, with more and more lateral acceleration: the angle of steering, and how it grows beyond what the circle
-# alone asks for. Its slope is the understeer gradient.
+# Around a circle of 40 m, faster and faster: the circle asks for the same rack all along, and what more the car needs
+# is understeer. The gradient is that of the wheels' angle, which is base over radius where the tyres do not slip.
 # %%
 driven = mimbre.Model.from_file(folder / "steady.yaml")
-accelerations = np.array([0.05, 1.0, 2.0, 3.0])
+base, radius = 2.017, 40.0
+accelerations = np.array([0.5, 1.0, 1.5, 2.0, 2.5])
 racks = []
 for acceleration in accelerations:
-    found = driven.trim(find=["steering", "throttle"], speed=20, lateral_acceleration=float(acceleration))
+    found = driven.trim(find=["steering", "throttle"], speed=float(np.sqrt(acceleration * radius)), radius=radius)
     racks.append(found["rack"])
-    print(f"{acceleration:4.2f} m/s²: steering {found.inputs['steering']:.4f}, sideslip {found.sideslip:+.4f} rad")
+    print(f"{acceleration:4.2f} m/s²: rack {1e3 * found['rack']:.3f} mm, sideslip {found.sideslip:+.4f} rad")
+slope, slowly = np.polyfit(accelerations, racks, 1)
+print(f"understeer gradient {base / radius * slope / slowly:.4f} rad s²/m")
 
 figure, axes = plt.subplots()
 axes.plot(accelerations, 1e3 * np.array(racks), "o-")

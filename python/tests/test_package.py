@@ -72,7 +72,7 @@ found = {
         r"bounce",
         r"roll",
         r"(?s)(wheel hop.*){4}",
-        r"3\.00 m/s²",
+        r"understeer gradient 0\.002[789]",
         r"40 m/s: sideslip .*grows: False",
     ],
     "arm_modes.py": [
