@@ -148,14 +148,12 @@ class Basis {
       for (Index k = 0; k < x.size(); ++k)
         x[k] =
             uniform_at(seed * block + static_cast<std::uint64_t>(c) + 1, static_cast<std::uint64_t>(k)) - 0.5;
-      // Into the space of the constraints.
-      VectorXd y(x.size());
-      if (!op_.apply(x, y) || !op_.apply(y, x)) return false;
+      if (!into_constraints(x)) return false;
       for (int twice = 0; twice < 2; ++twice) x -= invariant * (invariant.transpose() * x);
       W.col(c) = x;
     }
     MatrixXd unused = MatrixXd::Zero(block, block);
-    add(W, unused);
+    add(W, W.colwise().norm(), unused);
     return true;
   }
 
@@ -165,6 +163,7 @@ class Basis {
     for (int c = 0; c < block; ++c)
       if (!op_.apply(V_.col(size_ + c), W.col(c))) return false;
     const Index used = size_ + block;
+    const VectorXd sizes = W.colwise().norm();
     // Once more where much was taken away (Daniel, Gragg, Kaufman, Stewart 1976).
     for (int round = 0; round < 2; ++round) {
       const VectorXd before = W.colwise().norm();
@@ -177,7 +176,7 @@ class Basis {
     }
     size_ = static_cast<int>(used);
     MatrixXd R = MatrixXd::Zero(block, block);
-    add(W, R);
+    add(W, sizes, R);
     H_.block(size_, size_ - block, block, block) = R;
     return true;
   }
@@ -188,9 +187,16 @@ class Basis {
   auto vectors() const { return V_.leftCols(size_); }
 
  private:
+  /// Positions and velocities: one application leaves what the positions were in the velocities.
+  bool into_constraints(VectorXd& x) {
+    VectorXd y(x.size());
+    return op_.apply(x, y) && op_.apply(y, x);
+  }
+
   /// W = Q R; Q goes behind the vectors that are there. Columns that add nothing become random ones, or zero
   /// where there is nothing else.
-  void add(MatrixXd& W, MatrixXd& R) {
+  /// `sizes`: of the columns before they were at right angles to what is there.
+  void add(MatrixXd& W, const VectorXd& sizes, MatrixXd& R) {
     const Index first = size_;
     for (int c = 0; c < block; ++c) {
       VectorXd w = W.col(c);
@@ -207,12 +213,11 @@ class Basis {
       if (!(w.norm() > 0.1 * before)) project(0, true);
       double length = w.norm();
       R(c, c) = length;
-      if (!(length > 1e-13 * before)) {
+      if (!(length > 1e-13 * sizes[c])) {
         R(c, c) = 0;
         for (Index k = 0; k < w.size(); ++k)
           w[k] = uniform_at(static_cast<std::uint64_t>(first + c) + 100, static_cast<std::uint64_t>(k)) - 0.5;
-        VectorXd y(w.size());
-        if (op_.apply(w, y)) w = y;
+        into_constraints(w);
         const double all = w.norm();
         project(0, false);
         project(0, false);
