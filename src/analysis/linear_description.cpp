@@ -149,7 +149,9 @@ void find_constant_axes(const Compiled& m, relative::RelativeSystem& system, Lin
   const Turning turning = find_turning(m, system);
   const std::vector<TurnedAxes> choices{{}, axes_that_turn(m, turning), axes_before_joints(m, s.v)};
   const std::vector<double> varies = variation(m, system, out, choices);
-  const auto best = std::find_if(varies.begin(), varies.end(), [](double by) { return by <= constant; });
+  // Axes that turn before those of the coordinates, of which some may turn and some may not.
+  auto best = std::find_if(varies.begin(), varies.end(), [](double by) { return by <= constant; });
+  if (best == varies.begin() && turning.speed > 0 && !choices[1].empty() && varies[1] <= constant) ++best;
   names.varies = varies.front();
   if (best == varies.end()) {
     if (names.varies > constant)
