@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <utility>
 
 #include "integrate/initial.h"
@@ -110,10 +109,7 @@ class EquilibriumSearch {
   /// The work that is not balanced by accelerations a, at q.
   VectorXd forces(const VectorXd& q, const VectorXd& a);
   MatrixXd mass_matrix(const VectorXd& without);
-  /// By central differences.
   MatrixXd tangent();
-  /// By differences from the forces r here: half the work, and as exact as steps need.
-  MatrixXd rough_tangent(const VectorXd& r);
   /// xᵀ K x by wide differences.
   double stiffness_along(const VectorXd& x);
   /// N of the motions x = N z that the constraints permit: Φz N = 0.
@@ -199,18 +195,6 @@ MatrixXd EquilibriumSearch::tangent() {
   return result;
 }
 
-MatrixXd EquilibriumSearch::rough_tangent(const VectorXd& r) {
-  MatrixXd result(n_, n_);
-  VectorXd q(system_.positions()), unit = zero_;
-  for (int k = 0; k < n_; ++k) {
-    unit[k] = difference * scale_[k];
-    system_.retract(s_.q.data(), unit.data(), q.data());
-    result.col(k) = (forces(q, zero_) - r) / difference;
-    unit[k] = 0;
-  }
-  return result;
-}
-
 double EquilibriumSearch::stiffness_along(const VectorXd& x) {
   const double largest = x.cwiseAbs().maxCoeff();
   if (!(largest > 0)) return 0;
@@ -270,24 +254,21 @@ void EquilibriumSearch::move(const VectorXd& step) {
 StaticsStatus EquilibriumSearch::newton(int most_steps) {
   StaticsStatus status;
   const double tau = longest_time / units_.pace;
-  double before = std::numeric_limits<double>::infinity(), round_off = 0;
+  double way = 0;
   for (; status.iterations < std::min(most_steps, most_newton_steps); ++status.iterations) {
     const Balance left = look(status);
-    const double norm = left.forces.norm();
-    // A step after which more is left may have passed into another basin.
-    if (!std::isfinite(norm) || (norm > before && !balances(left, round_off))) return status;
-    before = norm;
-    const MatrixXd K = rough_tangent(left.forces), N = permitted_motions();
+    if (!left.forces.allFinite()) return status;
+    const MatrixXd K = tangent(), N = permitted_motions();
     const MatrixXd along = N.transpose() * (K + mass_ / (tau * tau)) * N;
     if (N.cols() > 0 && !is_positive_definite((along + along.transpose()) / 2)) return status;
     VectorXd step = zero_;
     if (N.cols() > 0) step = -N * solve(along, N.transpose() * left.forces);
     const double longest = n_ == 0 ? 0 : step.cwiseAbs().maxCoeff();
-    if (!(longest <= furthest_step)) return status;
-    round_off = round_off_of(K);
-    if (balances(left, round_off) && longest < still && closes(left)) {
+    way += longest;
+    if (!(way <= furthest_step)) return status;
+    if (balances(left, round_off_of(K)) && longest < still && closes(left)) {
       status.converged = true;
-      judge(tangent(), N, status);
+      judge(K, N, status);
       return status;
     }
     move(step);
