@@ -123,7 +123,7 @@ VectorXd ModeShares::body_energies(const VectorXcd& v) {
   for (const VectorXd& part : {VectorXd(v.real()), VectorXd(v.imag())}) {
     system_.kinematics(s.time, s.q.data(), part.data(), zero.data());
     for (std::size_t i = 0; i < m_.bodies.size(); ++i)
-      energy[static_cast<Eigen::Index>(i)] += kinetic_energy(m_, w, i, s.q.data(), part.data());
+      add_kinetic_energy(m_, w, i, s.q.data(), part.data(), energy[static_cast<Eigen::Index>(i)]);
   }
   return energy;
 }

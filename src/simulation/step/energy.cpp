@@ -15,15 +15,17 @@
 #include "math/elementary.h"
 
 namespace mimbre {
-double kinetic_energy(const Compiled& m, relative::Workspace<double>& w, std::size_t body, const double* q,
-                      const double* v) {
+void add_kinetic_energy(const Compiled& m, relative::Workspace<double>& w, std::size_t body, const double* q,
+                        const double* v, double& energy) {
   const BodyData& b = m.bodies[body];
   const auto& motion = w.bodies[body];
   const Vec3d u = motion.rotation.transpose() * motion.velocity,
               omega = motion.rotation.transpose() * motion.omega;
-  if (b.modes == 0 || b.elastodynamic)
-    return 0.5 * b.mass * u.squaredNorm() + u.dot(omega.cross(b.first_moment)) +
-           0.5 * omega.dot(b.inertia * omega);
+  if (b.modes == 0 || b.elastodynamic) {
+    energy += 0.5 * b.mass * u.squaredNorm() + u.dot(omega.cross(b.first_moment)) +
+              0.5 * omega.dot(b.inertia * omega);
+    return;
+  }
   // Velocity field in body axes: u + ω × r̄ + X ẏ.
   const FlexibleData& f = m.flexible[b.flexible];
   const int n = f.stride;
@@ -32,9 +34,11 @@ double kinetic_energy(const Compiled& m, relative::Workspace<double>& w, std::si
   relative::copy_modes(b, v + b.v + b.joint_velocities, n, yd);
   extend(f, y);
   extend(f, y, yd);
-  if (!w.projections.empty())
-    return projection::kinetic_energy(w.projections[b.flexible], w.projection,
-                                      projection::rigid_base(u, omega), y, yd, integrals);
+  if (!w.projections.empty()) {
+    energy += projection::kinetic_energy(w.projections[b.flexible], w.projection,
+                                         projection::rigid_base(u, omega), y, yd, integrals);
+    return;
+  }
   const InertiaRows<double> rows = make_inertia_rows<double>(b, f, y, integrals);
   const Vec3d first = deformed_first_moment<double>(b, f, y), sy = times(f.S, yd);
   const Mat3d second = deformed_second_moment<double>(b, f, rows, y);
@@ -43,19 +47,18 @@ double kinetic_energy(const Compiled& m, relative::Workspace<double>& w, std::si
   const auto d = [&](int r, int c) { return dot(positions + (3 * r + c) * n, yd, n); };
   Vec3d cy(d(1, 2) - d(2, 1), d(2, 0) - d(0, 2), d(0, 1) - d(1, 0));
   if (b.neglected.has(InertiaTerm::rotation_coupling)) cy.setZero();
-  double energy = 0.5 * b.mass * u.squaredNorm() + u.dot(omega.cross(first) + sy) +
-                  0.5 * omega.dot(inertia * omega) + omega.dot(cy);
+  energy += 0.5 * b.mass * u.squaredNorm() + u.dot(omega.cross(first) + sy) +
+            0.5 * omega.dot(inertia * omega) + omega.dot(cy);
   if (f.identity_mass) {
     energy += 0.5 * dot(yd, yd, n);
   } else {
     for (int k = 0; k < f.modes; ++k) energy += 0.5 * yd[k] * dot(f.mass.data() + k * n, yd, n);
   }
-  return energy;
 }
 
 double kinetic_energy(const Compiled& m, relative::Workspace<double>& w, const double* q, const double* v) {
   double energy = 0;
-  for (std::size_t i = 0; i < m.bodies.size(); ++i) energy += kinetic_energy(m, w, i, q, v);
+  for (std::size_t i = 0; i < m.bodies.size(); ++i) add_kinetic_energy(m, w, i, q, v, energy);
   for (const ElementData& e : m.elements)
     if (e.inertia >= 0) {
       const double rate = element_state(e, w.elements.data()).v[0];

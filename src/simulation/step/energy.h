@@ -124,8 +124,8 @@ class EnergyMeter {
 /// (the last forces), J; uses the workspace's scratch.
 double kinetic_energy(const Compiled& model, relative::Workspace<double>& work, const double* q,
                       const double* v);
-/// Of the body with this number.
-double kinetic_energy(const Compiled& model, relative::Workspace<double>& work, std::size_t body,
-                      const double* q, const double* v);
+/// Adds that of the body with this number.
+void add_kinetic_energy(const Compiled& model, relative::Workspace<double>& work, std::size_t body,
+                        const double* q, const double* v, double& energy);
 
 }  // namespace mimbre
