@@ -140,6 +140,20 @@ void turn_with_the_circle(const Compiled& m, const Scales& scales, Linearised& o
       out.yaw_rate));
 }
 
+/// Whether a stiffness acts along coordinates of these vectors.
+bool holds(const Linearised& at, const TurnedAxes& axes) {
+  const MatrixXd& K = at.reduced.stiffness;
+  if (K.size() == 0 || K.rows() != K.cols()) return false;
+  const double none = 1e-9 * K.cwiseAbs().maxCoeff();
+  for (const TurnedVector& x : axes)
+    for (std::size_t k = 0; k < at.independent.size(); ++k) {
+      const int off = at.independent[k] - x.first;
+      if (off >= 0 && off < 3 && K.col(static_cast<Eigen::Index>(k)).cwiseAbs().maxCoeff() > none)
+        return true;
+    }
+  return false;
+}
+
 /// Axes of any other steady motion in which the coefficients are constant, or the warning that there are
 /// none.
 void find_constant_axes(const Compiled& m, relative::RelativeSystem& system, Linearised& out) {
@@ -149,9 +163,9 @@ void find_constant_axes(const Compiled& m, relative::RelativeSystem& system, Lin
   const Turning turning = find_turning(m, system);
   const std::vector<TurnedAxes> choices{{}, axes_that_turn(m, turning), axes_before_joints(m, s.v)};
   const std::vector<double> varies = variation(m, system, out, choices);
-  // Axes that turn before those of the coordinates, of which some may turn and some may not.
+  // Of coordinates some may turn and some may not: where something holds those, axes that turn come before.
   auto best = std::find_if(varies.begin(), varies.end(), [](double by) { return by <= constant; });
-  if (best == varies.begin() && turning.speed > 0 && !choices[1].empty() && varies[1] <= constant) ++best;
+  if (best == varies.begin() && varies[1] <= constant && holds(out, choices[1])) ++best;
   names.varies = varies.front();
   if (best == varies.end()) {
     if (names.varies > constant)
