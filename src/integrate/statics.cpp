@@ -29,6 +29,8 @@ constexpr int most_newton_steps = 12;
 
 /// τ in the mechanism's own times: at first, at least, at most, and from which on its steps are Newton's.
 constexpr double first_time = 0.2, least_time = 4e-3, longest_time = 400, newton_time = 4;
+/// τ of steps that are Newton's from the start: longer ones lead further along what nothing holds.
+constexpr double near_time = 60;
 
 /// A disturbance that grows by e in no less than 3000 of the mechanism's own times is neutral.
 constexpr double neutral = 1e-7;
@@ -94,7 +96,7 @@ void judge_stability(const MatrixXd& K, const MatrixXd& mass, const MatrixXd& N,
 class EquilibriumSearch {
  public:
   EquilibriumSearch(System& system, State& s);
-  /// Steps of the longest time, which are Newton's but for directions without stiffness, as long as the
+  /// Steps of a long time, which are Newton's but for directions without stiffness, as long as the
   /// matrix is positive definite and no step is too long to trust: then the equilibrium is the one nearby.
   StaticsStatus newton(int most_steps);
   /// Steps that are longer as forces decrease.
@@ -253,7 +255,7 @@ void EquilibriumSearch::move(const VectorXd& step) {
 
 StaticsStatus EquilibriumSearch::newton(int most_steps) {
   StaticsStatus status;
-  const double tau = longest_time / units_.pace;
+  const double tau = near_time / units_.pace;
   double way = 0;
   for (; status.iterations < std::min(most_steps, most_newton_steps); ++status.iterations) {
     const Balance left = look(status);
