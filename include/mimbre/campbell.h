@@ -74,8 +74,7 @@ struct CampbellDiagram {
 /// between values to 1e-6. A mode that grows only between two values is found where the damping of three
 /// values points to it, and where modes meet. Values are those of the ground; of a rotor that is not round,
 /// whose modes have two frequencies there, all are those of axes that turn with it, and a warning states so.
-/// Throws std::invalid_argument, and what `modes` throws: a std::runtime_error with
-/// the value.
+/// Throws std::invalid_argument, and what `modes` throws: a std::runtime_error with the value.
 CampbellDiagram campbell(const ModesAt& modes, const std::vector<double>& values,
                          const CampbellOptions& options = {});
 

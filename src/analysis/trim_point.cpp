@@ -599,14 +599,14 @@ Trim find_trim(const Compiled& m, relative::RelativeSystem& system, const State&
                const std::map<std::string, double>& inputs, const TrimConditions& conditions,
                const DrivingState* near) {
   TrimSearch search(m, system, start, inputs, conditions);
-  if (near) try {
-      return search.run_from(*near);
-    } catch (const InputError&) {
-      throw;
-    } catch (const std::runtime_error&) {
-      // From the start, then.
-    }
-  return search.run();
+  if (!near) return search.run();
+  try {
+    return search.run_from(*near);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    return search.run();
+  }
 }
 
 }  // namespace mimbre::linear

@@ -288,6 +288,7 @@ void IndexThree::solve_for_correction(const double* phi) {
   system_.jacobian_times(r_.data(), impulse_.data());
 }
 
+/// With a new matrix where one is needed.
 bool IndexThree::find_correction(Attempt& t) {
   const int n = system_.velocities();
   t.refactored = t.precise || t.newton.refactor;

@@ -96,8 +96,9 @@ void judge_stability(const MatrixXd& K, const MatrixXd& mass, const MatrixXd& N,
 class EquilibriumSearch {
  public:
   EquilibriumSearch(System& system, State& s);
-  /// Steps of a long time, which are Newton's but for directions without stiffness, as long as the
-  /// matrix is positive definite and no step is too long to trust: then the equilibrium is the one nearby.
+  /// Steps of a long time, which are Newton's but for directions without stiffness, as long as the matrix is
+  /// positive definite and all steps together are no longer than the tangent is trusted with: the equilibrium
+  /// is then the one nearby.
   StaticsStatus newton(int most_steps);
   /// Steps that are longer as forces decrease.
   /// `careful`: shorter steps after one that was too long; for friction that slides, which leaves directions
@@ -146,7 +147,7 @@ class EquilibriumSearch {
   const VectorXd zero_, scale_;
   MatrixXd mass_;
   Units units_;
-  VectorXd readiness_;  ///< to move back onto the constraints, by mass
+  VectorXd readiness_;  ///< of coordinates to move back onto the constraints: heavy ones move least
 };
 
 EquilibriumSearch::EquilibriumSearch(System& system, State& s)

@@ -182,5 +182,29 @@ TEST(DrawnOpen, IsSaidWithJointAndMotion) {
               ElementsAre(testing::AllOf(HasSubstr("'e'"), HasSubstr("0.05 m"))));
 }
 
+/// Round-off of a stiff part reaches only what it is coupled with: beside it a spring of 1e-14 of its
+/// stiffness has its frequency, on a part of its own. On a spring in series with the stiff one 1e-12 are
+/// seen.
+TEST(Stability, SoftSpringsBesideStiffOnesAreSeen) {
+  const auto slowest = [](const char* between, double soft) {
+    ModesOptions options;
+    options.linear.point.at = LinearPoint::At::start;
+    const LinearisedModes found = find_modes(
+        model_of(fmt::format(
+            "gravity: [0, 0, 0]\nbodies:\n  hard: {{mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}\n"
+            "  soft: {{mass: 1, com: [1, 0, 0], inertia: [1, 1, 1]}}\njoints:\n"
+            "  a: {{type: prismatic, between: [ground, hard], at: [0, 0, 0], axis: [0, 0, 1], spring: "
+            "{{stiffness: 1e9}}}}\n"
+            "  b: {{type: prismatic, between: [{}, soft], at: [1, 0, 0], axis: [0, 0, 1], spring: "
+            "{{stiffness: {:.17g}}}}}\n",
+            between, soft)),
+        options);
+    EXPECT_EQ(found.modes[0].kind, Mode::Kind::oscillating) << between;
+    return std::abs(found.modes[0].value);
+  };
+  EXPECT_NEAR(slowest("ground", 1e-5), std::sqrt(1e-5), 1e-9 * std::sqrt(1e-5));
+  EXPECT_NEAR(slowest("hard", 1e-3), std::sqrt(1e-3), 1e-2 * std::sqrt(1e-3));
+}
+
 }  // namespace
 }  // namespace mimbre::test::stability_test

@@ -120,7 +120,7 @@ void find_reach(const std::vector<SeenBody>& bodies, BodyShapes& mode) {
             ? VectorXcd(body.shapes.cast<complex<double>>() * mode.amplitudes.segment(body.first, modes))
             : VectorXcd(VectorXcd::Zero(body.shapes.rows()));
     for (Index p = 0; p < body.levers.cols(); ++p) {
-      // Eigen's product of complex vectors is the conjugate one.
+      // By a matrix: Eigen's cross product of complex vectors is the conjugate one.
       const Mat3d lever = skew<double>(body.levers.col(p));
       const Eigen::Vector3cd moved = d - lever.cast<complex<double>>() * turn + deflection.segment<3>(3 * p);
       mode.reach = std::max(mode.reach, amplitude_of(moved));

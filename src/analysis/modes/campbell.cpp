@@ -204,9 +204,8 @@ class Tracking {
     out_.criticals.clear();
     warn(
         "modes of a rotor that is not round have two frequencies from the ground: listed are those in axes "
-        "that "
-        "turn with it, in which a mode stands still (0 rad/s) at a critical speed; critical speeds are not "
-        "sought");
+        "that turn with it, in which a mode stands still (0 rad/s) at a critical speed; critical speeds are "
+        "not sought");
   }
 
   /// Branches that are nowhere among the lowest.

@@ -217,7 +217,8 @@ void ModeShares::find_whirl(const VectorXcd& motion, Mode& mode) {
   constexpr double none = 1e-6;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   if (!(across + o.axial > 0)) {
-    mode.fixed = {nan, nan};
+    // A mode of signals alone is the same from everywhere.
+    if (!motion.isZero(0)) mode.fixed = {nan, nan};
   } else if (across <= none * o.axial) {
     mode.whirl = 0;
   } else if (mode.kind != Mode::Kind::oscillating) {

@@ -37,9 +37,9 @@ using linear::Zeros;
 constexpr double nothing = 1e-9;
 /// Of a stiffness before it cancels: less is the residual of the equilibrium.
 constexpr double no_stiffness = 1e-8;
-/// Of the largest stiffness: a coordinate whose own is less has it by the round-off of stiff parts, and is
-/// judged as if it were this.
-constexpr double softest = 1e-4;
+/// Of the largest stiffness of all coordinates that one is coupled with: where its own is less, it may have
+/// it by the round-off of stiff parts, and is judged as if it were this.
+constexpr double softest = 1e-5;
 /// Of the largest eigenvalue: what is real or imaginary but for that is so.
 constexpr double imaginary_round_off = 1e-10;
 /// Of the transition over a period, by its integration.
@@ -71,6 +71,27 @@ VectorXd state_scales(const linear::Reduced& r, const std::vector<double>& coord
   return scale;
 }
 
+/// Of each coordinate the largest value among all that it is coupled with, itself among them.
+VectorXd largest_coupled(const MatrixXd& coupling, const VectorXd& values) {
+  VectorXd out = VectorXd::Constant(values.size(), -1);
+  for (Eigen::Index first = 0; first < values.size(); ++first) {
+    if (out[first] >= 0) continue;
+    std::vector<Eigen::Index> group{first};
+    out[first] = values[first];
+    double largest = 0;
+    for (std::size_t k = 0; k < group.size(); ++k) {
+      largest = std::max(largest, values[group[k]]);
+      for (Eigen::Index j = 0; j < values.size(); ++j)
+        if (out[j] < 0 && (coupling(group[k], j) != 0 || coupling(j, group[k]) != 0)) {
+          out[j] = values[j];
+          group.push_back(j);
+        }
+    }
+    for (const Eigen::Index k : group) out[k] = largest;
+  }
+  return out;
+}
+
 /// At rest in the coordinates, K y + … z = 0 and the rates of z vanish: the rank of that matrix G, along
 /// scales that are sizes of stiffness before anything cancels, by the coordinates' `scales`. A vector begins
 /// a chain of two (it may drift) where the left null vectors see nothing of its damping: Lᵀ [C 0; −A_zs I] X
@@ -87,9 +108,10 @@ Zeros zeros_of(const linear::Linearised& at, const VectorXd& scales) {
   G.bottomLeftCorner(z, f) = r.A.block(2 * f, 0, z, f) + r.A.block(2 * f, f, z, f) * spin;
   G.bottomRightCorner(z, z) = r.A.block(2 * f, 2 * f, z, z);
   VectorXd rows = VectorXd::Ones(f + z), columns = rows;
-  VectorXd sizes = (N.transpose() * at.derivatives.residual_q.cwiseAbs() * N).diagonal();
-  const VectorXd energies = sizes.cwiseProduct(scales.cwiseAbs2());
-  if (f > 0) sizes = energies.cwiseMax(softest * energies.maxCoeff()).cwiseQuotient(scales.cwiseAbs2());
+  const MatrixXd acting = N.transpose() * at.derivatives.residual_q.cwiseAbs() * N;
+  const VectorXd energies = acting.diagonal().cwiseProduct(scales.cwiseAbs2()),
+                 sizes = energies.cwiseMax(softest * largest_coupled(acting + r.mass.cwiseAbs(), energies))
+                             .cwiseQuotient(scales.cwiseAbs2());
   for (Eigen::Index k = 0; k < f; ++k)
     if (sizes[k] > 0) rows[k] = columns[k] = 1 / std::sqrt(sizes[k]);
   for (Eigen::Index k = f; k < f + z; ++k) {

@@ -15,6 +15,7 @@
 #include "math/elementary.h"
 
 namespace mimbre {
+
 void add_kinetic_energy(const Compiled& m, relative::Workspace<double>& w, std::size_t body, const double* q,
                         const double* v, double& energy) {
   const BodyData& b = m.bodies[body];

@@ -59,10 +59,10 @@ constexpr double high_modes = 0.1;
 /// Which measures make warnings depends on the body:
 ///   linear                 all
 ///   geometric stiffness    all; of loads only those it does not contain: forces on frames without static
-///   modes second order           deflection and high modes: displacements or energy contain shortening and
-///   linear substructure          deflection and loads, which stiffen or soften it alone: bent by several
-///                                substructures at once, a beam shortens and buckles by more than any of them
-///                                sees
+///                          modes
+///   second order           deflection and high modes: displacements or energy contain shortening and loads
+///   linear substructure    deflection and loads, which stiffen or soften it alone: bent by several
+///                          substructures at once, a beam shortens and buckles by more than any of them sees
 
 /// Measures of one body that are sums of squares of linear functions of its amplitudes, and those that are
 /// linear in its acceleration and in the forces on it. Made once.
