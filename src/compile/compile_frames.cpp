@@ -118,9 +118,12 @@ void compile_frames(Compiled& c, const Topology& topology, const ContactPairs& p
   const spec::Model& spec = c.spec();
   const FramesOfStep frames = frames_of_step(c, topology, pairs);
   c.frame_of_spec.assign(spec.frames.size(), -1);
+  std::vector<std::vector<int>> frames_of(c.bodies.size() + 1);  // of the ground, then of each body
+  for (int k = 0; k < static_cast<int>(spec.frames.size()); ++k)
+    frames_of[static_cast<std::size_t>(tree_body(c, spec.frames[k]) + 1)].push_back(k);
   const auto add_frames = [&](bool dynamic, int body) {
-    for (int k = 0; k < static_cast<int>(spec.frames.size()); ++k)
-      if (tree_body(c, spec.frames[k]) == body && (frames.needed.count(k) > 0) == dynamic) {
+    for (const int k : frames_of[static_cast<std::size_t>(body + 1)])
+      if ((frames.needed.count(k) > 0) == dynamic) {
         c.frame_of_spec[k] = static_cast<int>(c.frames.size());
         c.frames.push_back(frame_data(c, k));
         FrameData& f = c.frames.back();

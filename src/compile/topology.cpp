@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <optional>
+#include <queue>
 #include <tuple>
 
 #include "joints/joint_kind.h"
@@ -40,11 +42,14 @@ void float_loose_bodies(spec::Model& model) {
   const auto mass = [&](int b) {
     return model.bodies[b].flexible ? model.bodies[b].flexible->mass : model.bodies[b].mass;
   };
+  std::vector<int> heaviest_of(n + 1, -1);  // of each group, by its root
+  for (int b = 0; b < n; ++b) {
+    int& heaviest = heaviest_of[root(b + 1)];
+    if (heaviest < 0 || mass(b) > mass(heaviest)) heaviest = b;
+  }
   for (int b = 0; b < n; ++b) {
     if (root(b + 1) == root(0)) continue;
-    int heaviest = b;
-    for (int k = b + 1; k < n; ++k)
-      if (root(k + 1) == root(b + 1) && mass(k) > mass(heaviest)) heaviest = k;
+    const int heaviest = heaviest_of[root(b + 1)];
     const spec::Body& body = model.bodies[heaviest];
     spec::Frame on_ground{body.name + ".floating.a", body.mark, spec::ground, body.pose, -1};
     spec::Frame on_body{body.name + ".floating.b", body.mark, heaviest, {}, -1};
@@ -68,6 +73,17 @@ bool undeformed(const spec::Model& m, int frame) {
   return m.bodies[f.body].flexible->frames[f.flexible_frame].X.isZero();
 }
 
+/// Joints that can lead from the ground, at 0, and from each body, by its number plus one, in their order.
+std::vector<std::vector<int>> joints_by_body(const spec::Model& model) {
+  std::vector<std::vector<int>> joints(model.bodies.size() + 1);
+  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
+    const Joint& j = model.joints[k];
+    if (j.cut == Joint::Cut::always) continue;
+    for (const int body : {body_a(model, j), body_b(model, j)}) joints[body + 1].push_back(k);
+  }
+  return joints;
+}
+
 /// A tree by Prim's algorithm from the ground. Joints with springs count like those that must stay, or, where
 /// `yielding`, come after them. Nothing, and errors, where a joint that must stay would be cut.
 std::optional<Topology> grow_tree(const spec::Model& model, bool yielding, std::vector<Diagnostic>& errors) {
@@ -81,28 +97,33 @@ std::optional<Topology> grow_tree(const spec::Model& model, bool yielding, std::
   std::vector<bool> in_tree(nj, false);
 
   const auto reached = [&](int body) { return body < 0 || depth[body] >= 0; };
-  for (int step = 0; step < n; ++step) {
-    int best = -1;
-    std::tuple<int, int, int, int, int> best_key;
-    for (int k = 0; k < nj; ++k) {
+  // Joints that lead on from a body that is reached, best first; some lead to one that is reached meanwhile.
+  using Key = std::tuple<int, int, int, int, int>;
+  std::priority_queue<Key, std::vector<Key>, std::greater<>> candidates;
+  const std::vector<std::vector<int>> joints_of = joints_by_body(model);
+  const auto reach = [&](int from) {
+    for (const int k : joints_of[from + 1]) {
       const Joint& j = model.joints[k];
-      if (j.cut == Joint::Cut::always) continue;
       const int a = body_a(model, j), b = body_b(model, j);
-      if (reached(a) == reached(b)) continue;
-      const int from = reached(a) ? a : b;
-      const int child_frame = reached(a) ? j.frame_b : j.frame_a;
-      const std::tuple key{rank(j), undeformed(model, child_frame) ? 0 : 1, -joint_info(j.type).equations,
-                           from < 0 ? 0 : depth[from] + 1, k};
-      if (best < 0 || key < best_key) best = k, best_key = key;
+      if (reached(a == from ? b : a)) continue;
+      const int child_frame = a == from ? j.frame_b : j.frame_a;
+      candidates.push({rank(j), undeformed(model, child_frame) ? 0 : 1, -joint_info(j.type).equations,
+                       from < 0 ? 0 : depth[from] + 1, k});
     }
-    if (best < 0) break;
+  };
+  reach(-1);
+  while (!candidates.empty()) {
+    const int best = std::get<4>(candidates.top());
+    candidates.pop();
     const Joint& j = model.joints[best];
     const int a = body_a(model, j), b = body_b(model, j);
+    if (reached(a) && reached(b)) continue;
     const int from = reached(a) ? a : b, to = reached(a) ? b : a;
     depth[to] = from < 0 ? 0 : depth[from] + 1;
     parent[to] = from;
     parent_joint[to] = best;
     in_tree[best] = true;
+    reach(to);
   }
 
   Topology topology;
@@ -121,10 +142,12 @@ std::optional<Topology> grow_tree(const spec::Model& model, bool yielding, std::
   if (!errors.empty()) return {};
 
   // Depth first from the ground, children in the order of their joints.
+  std::vector<int> outer_body(nj, -1);
+  for (int b = 0; b < n; ++b)
+    if (parent_joint[b] >= 0) outer_body[parent_joint[b]] = b;
   std::vector<std::vector<int>> children(n + 1);
-  for (int k = 0; k < nj; ++k)
-    for (int b = 0; b < n; ++b)
-      if (parent_joint[b] == k) children[parent[b] + 1].push_back(b);
+  for (const int b : outer_body)
+    if (b >= 0) children[parent[b] + 1].push_back(b);
   std::vector<int> stack(children[0].rbegin(), children[0].rend());
   while (!stack.empty()) {
     const int b = stack.back();
