@@ -30,6 +30,7 @@ from .analysis import (
 )
 from .builder import ModelBuilder, Subsystem
 from .ensemble import samples, sweep
+from .equilibria import Buckling, BucklingMode, EquilibriumPath, PathBranch, SpecialEquilibrium
 from .errors import Diagnostic, InputError, Interrupted, SimulationError, SweepInterrupted, UnknownName
 from .laws import law_signature
 from .linear import CampbellDiagram, CriticalSpeed, EigenMode, LinearModel, ModeBranch, Modes, Onset, Trim
@@ -43,6 +44,8 @@ __version__ = _version()
 
 __all__ = [
     "Apart",
+    "Buckling",
+    "BucklingMode",
     "CampbellDiagram",
     "Channel",
     "Check",
@@ -51,6 +54,7 @@ __all__ = [
     "Difference",
     "EigenMode",
     "Equilibrium",
+    "EquilibriumPath",
     "HotSpot",
     "InertiaChoice",
     "InertiaTerm",
@@ -66,11 +70,13 @@ __all__ = [
     "ModelBuilder",
     "Modes",
     "Onset",
+    "PathBranch",
     "ReducedBody",
     "Run",
     "Selection",
     "Simulation",
     "SimulationError",
+    "SpecialEquilibrium",
     "SpecialPosition",
     "StressHistory",
     "Subsystem",

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from . import _checks, _core, analysis, laws, linear
+from . import _checks, _core, analysis, equilibria, laws, linear
 from . import motion as motions
 from .analysis import Verification
+from .equilibria import Buckling, EquilibriumPath
 from .errors import Diagnostic, InputError, Interrupted, SimulationError
 from .linear import CampbellDiagram, LinearModel, Modes, Trim
 from .method import Method
@@ -397,6 +398,75 @@ class Model:
         """
         return linear.modes(
             self, at=at, hold=hold, find=find, body=body, most=most, inputs=inputs, delay_order=delay_order, **method
+        )
+
+    def buckling(
+        self, *, loads: Sequence[str] = (), count: int = 3, inputs: Mapping[str, float] | None = None
+    ) -> Buckling:
+        """Factors of loads at which the equilibrium ceases to be stable, as `mimbre static --buckling`.
+
+        Args:
+            loads: that grow together: names, or "gravity"; none: all loads, or gravity without any.
+            count: factors at most, of each sign.
+            inputs: of inputs and tunable parameters, by name, in place of the model's start values.
+
+        Returns:
+            The factors, those nearest to zero first, with the shapes.
+
+        Raises:
+            SimulationError: something moves without resistance when the loads are zero, or they have no potential.
+
+        Example:
+            ```python
+            critical = model.buckling(loads=["press"])[0].factor
+            ```
+        """
+        return equilibria.buckling(self, loads=loads, count=count, inputs=inputs)
+
+    def equilibrium_path(
+        self,
+        *,
+        loads: Sequence[str] = (),
+        start: float = 0,
+        end: float = 1,
+        points: int = 200,
+        bifurcations: int = 1,
+        inputs: Mapping[str, float] | None = None,
+        progress: Callable[[float, int], object] | None = None,
+    ) -> EquilibriumPath:
+        """Equilibria while loads grow, around limit points and beyond buckling, as `mimbre static --path`.
+
+        Args:
+            loads: that grow together: names, or "gravity"; none: all loads, or gravity without any.
+            start: factor of the loads at first.
+            end: factor at last.
+            points: equilibria of each branch at most.
+            bifurcations: whose branches are followed, at most.
+            inputs: of inputs and tunable parameters, by name, in place of the model's start values.
+            progress: is called with the factor and the number of equilibria so far.
+
+        Returns:
+            The branches, with the outputs at each equilibrium, and limit points and bifurcations.
+
+        Raises:
+            SimulationError: there is no equilibrium at the first factor, or something moves there without resistance.
+
+        Example:
+            ```python
+            path = model.equilibrium_path(loads=["press"], end=2)
+            for branch in path.branches:
+                print(branch.factors, branch["tip.z"])
+            ```
+        """
+        return equilibria.equilibrium_path(
+            self,
+            loads=loads,
+            start=start,
+            end=end,
+            points=points,
+            bifurcations=bifurcations,
+            inputs=inputs,
+            progress=progress,
         )
 
     def trim(

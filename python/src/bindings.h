@@ -15,6 +15,7 @@ struct Failure : std::runtime_error {
 };
 
 void bind_analysis(nb::module_& module);
+void bind_equilibria(nb::module_& module);
 void bind_errors(nb::module_& module);
 void bind_histories(nb::module_& module);
 void bind_linear(nb::module_& module);

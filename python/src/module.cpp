@@ -19,6 +19,7 @@ NB_MODULE(_core, module) {
   mimbre::python::bind_histories(module);
   mimbre::python::bind_simulation(module);
   mimbre::python::bind_analysis(module);
+  mimbre::python::bind_equilibria(module);
   mimbre::python::bind_portable(module);
   mimbre::python::bind_linear(module);
   mimbre::python::bind_motion(module);

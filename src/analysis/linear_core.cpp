@@ -448,4 +448,20 @@ void LinearCore::find_derivatives(const VectorXd& a, const VectorXd& multipliers
   out.turn = turning(i.m, i.state.v);
 }
 
+void LinearCore::find_stiffness(const VectorXd& multipliers, Derivatives& out) {
+  Impl& i = *impl_;
+  const int n = i.m.velocities;
+  for (Dual& a : i.a) a = Dual(0);
+  for (int k = 0; k < i.m.equations; ++k) i.multipliers[static_cast<std::size_t>(k)] = Dual(multipliers[k]);
+  out.residual_q.resize(n, n);
+  std::vector<Dual> x(static_cast<std::size_t>(n), Dual(0));
+  for (int k = 0; k < n; ++k) {
+    x[static_cast<std::size_t>(k)].derivative = 1;
+    relative::retract<Dual>(i.m, i.q.data(), x.data(), i.moved.data());
+    x[static_cast<std::size_t>(k)].derivative = 0;
+    i.evaluate_at(i.moved.data());
+    i.derivatives_of(i.r, out.residual_q.col(k));
+  }
+}
+
 }  // namespace mimbre::linear

@@ -62,6 +62,8 @@ class LinearCore {
   void find_mass(Derivatives& out);
   /// The others, at these accelerations and multipliers.
   void find_derivatives(const Eigen::VectorXd& a, const Eigen::VectorXd& multipliers, Derivatives& out);
+  /// ∂r/∂q alone, at accelerations of zero and these multipliers.
+  void find_stiffness(const Eigen::VectorXd& multipliers, Derivatives& out);
 
   /// d²Φ/dε² where the mechanism moves by ε x: what equations that repeat others must not have.
   Eigen::VectorXd curvature(const Eigen::VectorXd& x);

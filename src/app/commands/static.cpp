@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "app/commands/path_output.h"
 #include "app/common.h"
 #include "app/json.h"
 #include "app/method_options.h"
@@ -22,6 +23,7 @@ struct StaticArguments {
   std::vector<std::string> loads;
   int count = 3;
   bool json = false, strict = false, buckling = false;
+  PathArguments path;
 };
 
 Json to_json(const StaticResult& result, const Json& method, const std::vector<std::string>& warnings) {
@@ -118,9 +120,17 @@ int run_buckling(const LoadedModel& loaded, const StaticArguments& arguments) {
 }
 
 int run_static(const StaticArguments& arguments) {
-  if (!arguments.buckling && !arguments.loads.empty())
-    throw UsageError("--load selects the loads of --buckling, which is missing");
+  const PathArguments& path = arguments.path;
+  if (!arguments.buckling && !path.wanted && !arguments.loads.empty())
+    throw UsageError("--load selects the loads of --buckling or --path, which are missing");
+  if (arguments.buckling && path.wanted) throw UsageError("--buckling and --path exclude each other");
+  if (!path.wanted && !path.output.empty())
+    throw UsageError("-o is where equilibria of --path are written, which is missing");
   const LoadedModel loaded = load(arguments.model, arguments.settings);
+  if (path.wanted) {
+    if (!path.output.empty()) require_different(arguments.model, path.output);
+    return run_path(loaded, path, arguments.loads, arguments.json, arguments.strict);
+  }
   if (arguments.buckling) return run_buckling(loaded, arguments);
   const spec::Simulation& given = loaded.model->spec().simulation;
   const RunOptions options = run_options(arguments.method, given);
@@ -145,19 +155,20 @@ Command add_static(CommandLine& program) {
   parser.add_flag("--buckling", arguments->buckling, "Find the factors of the loads at which it buckles");
   parser
       .add_option("--load", arguments->loads,
-                  "With --buckling: a load that grows, or gravity; default: all loads, gravity without any")
+                  "With --buckling, --path: a load that grows, or gravity; default: all loads, or gravity")
       .repeated()
       .type_name("LOAD");
   parser.add_option("--count", arguments->count, "With --buckling: factors at most, of each sign")
       .within(1, 1000)
       .show_default();
+  add_path_options(parser, arguments->path);
   parser.add_flag("--json", arguments->json, "The same as JSON");
   add_strict_option(parser, arguments->strict);
   // At rest it does not matter how constraints and steps are made.
   add_method_options(parser, arguments->method, {.steps = false});
   parser.footer(
       "Example:\n  mimbre static suspension.yaml --json\n  mimbre static column.yaml --buckling --load "
-      "press");
+      "press\n  mimbre static column.yaml --path --to 2 -o path.csv");
   return {parser, [arguments] { return run_static(*arguments); }};
 }
 

@@ -8,10 +8,10 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "analysis/equilibria/growing_loads.h"
 #include "math/once/decompositions.h"
 #include "mimbre/diagnostics.h"
 #include "mimbre/linearise.h"
-#include "mimbre/unknown_name.h"
 
 namespace mimbre {
 namespace {
@@ -27,48 +27,12 @@ constexpr double no_stiffness = 1e-10;      ///< of the mechanism's largest, rel
 constexpr double no_effect = 1e-10;         ///< of 1/λ, as a share of the largest, by round-off
 constexpr double named_share = 0.05;        ///< of the energy
 
-struct Growing {
-  std::vector<std::size_t> loads;  ///< of the spec
-  bool weight = false;
-};
-
-Growing growing_loads(const spec::Model& spec, const BucklingOptions& options, Buckling& out) {
-  Growing growing;
-  std::vector<std::string> names;
-  for (const spec::Load& load : spec.loads) names.push_back(load.name);
-  for (std::size_t k = 0; k < names.size() && options.loads.empty(); ++k) growing.loads.push_back(k);
-  for (const std::string& name : options.loads) {
-    const auto at = std::find(names.begin(), names.end(), name);
-    if (name == "gravity" && at == names.end())
-      growing.weight = true;
-    else if (at == names.end())
-      throw UnknownName(Mark{}, fmt::format("there is no load '{}'{}", name, did_you_mean(name, names)));
-    else
-      growing.loads.push_back(static_cast<std::size_t>(at - names.begin()));
-  }
-  if (options.loads.empty() && growing.loads.empty()) growing.weight = true;
-  if (growing.weight && spec.gravity.isZero())
-    throw InputError({spec.file, 0, 0},
-                     "nothing loads the model: it has no gravity, and no loads that could grow");
-  for (const std::size_t k : growing.loads) out.loads.push_back(names[k]);
-  if (growing.weight) out.loads.emplace_back("gravity");
-  return growing;
-}
-
-std::shared_ptr<const Model> loaded_by(const spec::Model& given, const Growing& growing, double factor) {
-  spec::Model spec = given;
-  for (const std::size_t k : growing.loads) {
-    spec.loads[k].force *= factor;
-    spec.loads[k].moment *= factor;
-  }
-  if (growing.weight) spec.gravity *= factor;
-  return Model::compile(std::move(spec));
-}
-
 class BucklingSearch {
  public:
   BucklingSearch(const Model& model, const BucklingOptions& options)
-      : spec_(model.spec()), options_(options), growing_(growing_loads(spec_, options, out_)) {}
+      : spec_(model.spec()), options_(options), growing_(growing_loads(spec_, options.loads)) {
+    out_.loads = growing_.names;
+  }
 
   Buckling find();
 
@@ -82,7 +46,7 @@ class BucklingSearch {
   const spec::Model& spec_;
   const BucklingOptions& options_;
   Buckling out_;
-  Growing growing_;
+  GrowingLoads growing_;
 };
 
 LinearModel BucklingSearch::at(double factor) const {

@@ -2,13 +2,11 @@
 
 #include <stdexcept>
 
+#include "analysis/equilibria/sample_at_rest.h"
 #include "base/cpu_time.h"
 #include "simulation/describe/explain.h"
-#include "simulation/observe/channels.h"
-#include "simulation/observe/smallest_reactions.h"
 #include "simulation/start/assembly.h"
 #include "simulation/start/drawn_open.h"
-#include "simulation/start/redundancy.h"
 
 namespace mimbre {
 
@@ -28,25 +26,11 @@ StaticResult static_equilibrium(std::shared_ptr<const Model> model, const RunOpt
   if (!status.converged) throw std::runtime_error(explain_imbalance(m, natural.get(), status));
   result.stable = !(status.growth > 0);
   warn(explain_instability(m, natural.get(), status));
-  Channels channels(m);
-  EnergyMeter meter(m);
-  Eigen::VectorXd r(m.velocities);
-  system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
-  meter.start(system, s);
-  system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
-  if (m.equations > 0) {
-    const Redundancy redundancy = find_redundancy(system, s);
-    warn(explain_near_redundancy(redundancy));
-    channels.mark_undetermined(redundancy);
-    system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
-    if (redundancy.equations + redundancy.nearly > 0 && SmallestReactions(m).find(system, s, s.multipliers))
-      system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
-  }
-  ResultsRow row;
-  channels.sample(system, s, meter.balance(), {}, row);
-  result.channels = channels.info();
-  result.values = row.channels;
-  result.output_count = channels.output_count();
+  const AtRest at_rest = sample_at_rest(m, system, s);
+  for (const std::string& text : at_rest.warnings) warn(text);
+  result.channels = at_rest.channels;
+  result.values = at_rest.values;
+  result.output_count = at_rest.output_count;
   result.iterations = status.iterations;
   result.residual = status.residual;
   result.sparse = status.sparse;
