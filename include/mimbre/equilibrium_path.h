@@ -33,7 +33,9 @@ struct PathPoint {
   };
   double factor = 0;       ///< of the loads
   Eigen::VectorXd values;  ///< of the channels
-  /// Independent directions along which the tangent stiffness is negative: 0 where the equilibrium is stable.
+  /// Independent directions along which the tangent stiffness is negative: 0 where the equilibrium is stable;
+  /// of loads without a potential the eigenvalues with a negative real part, which flutter may precede. At
+  /// limits and bifurcations without the one that vanishes.
   int unstable = 0;
   Kind kind = Kind::regular;
   std::string moving;  ///< of a limit or a bifurcation: coordinates with their shares of the motion there
@@ -45,7 +47,7 @@ inline constexpr const char* path_point_words[] = {"", "limit", "bifurcation"};
 struct PathBranch {
   int parent = -1;       ///< the branch that it leaves, -1: none
   double leaves_at = 0;  ///< factor there
-  int sense = 0;         ///< 1: along the motion at the bifurcation, -1: against it
+  int sense = 0;         ///< 1: along the motion at the bifurcation, -1: against it, 0: leaves none
   std::vector<PathPoint> points;
   std::string end;  ///< why there are no more
 };

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 
@@ -39,21 +40,21 @@ EquilibriumPath path_of(const std::string& text, double to,
 }
 
 /// A rigid column of 1 m on a hinge with a spring of 10 N m/rad, pressed by 1 N; it leans by `lean`.
-std::string column(double lean, const std::string& axis = "[0, 1, 0]") {
+std::string column(double lean) {
   return fmt::format(R"(
 gravity: [0, 0, 0]
 bodies:
   column: {{mass: 1, com: [0, 0, 0.5], inertia: [0.1, 0.1, 0.1]}}
 frames: {{top: {{body: column, at: [0, 0, 1]}}}}
 joints:
-  foot: {{type: revolute, between: [ground, column], at: [0, 0, 0], axis: {}, position: {},
+  foot: {{type: revolute, between: [ground, column], at: [0, 0, 0], axis: [0, 1, 0], position: {},
          spring: {{stiffness: 10, zero: {}}}}}
 loads: {{press: {{on: top, force: [0, 0, -1]}}}}
 outputs:
   - {{name: angle, joint: foot}}
   - {{name: height, position: column, at: [0, 0, 1], component: z}}
 )",
-                     axis, lean, lean);
+                     lean, lean);
 }
 
 /// P sin θ = k θ: from P = k on, stable.
@@ -247,6 +248,175 @@ outputs:
   }
 }
 
+/// A column of the stiffness k along a direction in space, so that nothing is zero by luck.
+std::string column_in_space(double k, const Eigen::Vector3d& up) {
+  const Eigen::Vector3d axis = up.unitOrthogonal();
+  const auto list = [](const Eigen::Vector3d& v) {
+    return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v[0], v[1], v[2]);
+  };
+  return fmt::format(R"(
+gravity: [0, 0, 0]
+bodies: {{column: {{mass: 1, com: {}, inertia: [0.1, 0.1, 0.1]}}}}
+frames: {{top: {{body: column, at: {}}}}}
+joints:
+  foot: {{type: revolute, between: [ground, column], at: [0, 0, 0], axis: {}, spring: {{stiffness: {}}}}}
+loads: {{press: {{on: top, force: {}}}}}
+outputs: [{{name: angle, joint: foot}}]
+)",
+                     list(0.5 * up), list(up), list(axis), k, list(-up));
+}
+
+TEST(EquilibriumPath, FindsBifurcationsThatRoundOffBlurs) {
+  for (const Eigen::Vector3d& up : {Eigen::Vector3d(0.54, 0.41, 0.73), Eigen::Vector3d(-0.3, 0.9, 0.1)})
+    for (const double k : {3., 4.3, 5., 7.7, 10., 13.}) {
+      SCOPED_TRACE(fmt::format("k = {}, up {}", k, up.x()));
+      const EquilibriumPath path = path_of(column_in_space(k, up.normalized()), 15);
+      EXPECT_TRUE(path.warnings.empty()) << path.warnings.front();
+      const auto found = special(path.branches[0], Kind::bifurcation);
+      ASSERT_EQ(found.size(), 1u);
+      EXPECT_NEAR(found[0].factor, k, 1e-7 * k);
+      EXPECT_EQ(found[0].unstable, 0);
+      ASSERT_EQ(path.branches.size(), 3u);
+      for (std::size_t b = 1; b < 3; ++b) {
+        EXPECT_EQ(path.branches[b].points.back().factor, 15) << path.branches[b].end;
+        for (const PathPoint& point : path.branches[b].points) {
+          const double angle = value(path, point, "angle");
+          EXPECT_NEAR(point.factor * std::sin(angle), k * angle, 1e-6);
+          EXPECT_EQ(point.unstable, 0);
+        }
+      }
+    }
+}
+
+/// Two columns with a bar across their tops, in a loop.
+TEST(EquilibriumPath, OfAParallelogramBuckles) {
+  for (const double k : {3., 6.1, 10., 13.}) {
+    const EquilibriumPath path = path_of(fmt::format(R"(
+gravity: [0, 0, 0]
+bodies:
+  l: {{mass: 1, com: [0, 0, 0.5], inertia: [0.1, 0.1, 0.1]}}
+  r: {{mass: 1, com: [1, 0, 0.5], inertia: [0.1, 0.1, 0.1]}}
+  c: {{mass: 1, com: [0.5, 0, 1], inertia: [0.1, 0.1, 0.1]}}
+frames: {{top: {{body: c, at: [0.5, 0, 1]}}}}
+joints:
+  a: {{type: revolute, between: [ground, l], at: [0, 0, 0], axis: [0, 1, 0], spring: {{stiffness: {}}}}}
+  b: {{type: revolute, between: [ground, r], at: [1, 0, 0], axis: [0, 1, 0]}}
+  d: {{type: revolute, between: [l, c], at: [0, 0, 1], axis: [0, 1, 0]}}
+  e: {{type: revolute, between: [r, c], at: [1, 0, 1], axis: [0, 1, 0]}}
+loads: {{press: {{on: top, force: [0, 0, -1]}}}}
+outputs: [{{name: angle, joint: a}}]
+)",
+                                                     k),
+                                         15);
+    const auto found = special(path.branches[0], Kind::bifurcation);
+    ASSERT_EQ(found.size(), 1u) << k;
+    EXPECT_NEAR(found[0].factor, k, 1e-6 * k);
+    ASSERT_EQ(path.branches.size(), 3u);
+    for (std::size_t b = 1; b < 3; ++b) EXPECT_EQ(path.branches[b].points.back().factor, 15);
+  }
+}
+
+/// P = k θ / sin θ grows without bounds towards π: no step leads to where it comes back from below.
+TEST(EquilibriumPath, DoesNotJumpAcrossAPole) {
+  const EquilibriumPath path = path_of(column(0), 1500);
+  for (const PathBranch& branch : path.branches)
+    for (const PathPoint& point : branch.points) {
+      EXPECT_LT(std::abs(value(path, point, "angle")), std::numbers::pi);
+      EXPECT_GE(point.factor, 0);
+    }
+}
+
+/// The last factor at the buckling load, just beyond it, and just below a limit.
+TEST(EquilibriumPath, EndsAtTheLastFactor) {
+  const EquilibriumPath at = path_of(column(0), 10);
+  EXPECT_EQ(at.branches[0].points.back().kind, Kind::bifurcation);
+  const EquilibriumPath beyond = path_of(column(0), 10.0005);
+  ASSERT_EQ(beyond.branches.size(), 3u);
+  for (const PathBranch& branch : beyond.branches) EXPECT_LE(branch.points.back().factor, 10.0005);
+  const double limit = 10.278155663;
+  for (const double below : {1e-2, 1e-4, 1e-6}) {
+    const EquilibriumPath path = path_of(arch, limit - below);
+    EXPECT_EQ(path.branches[0].points.back().factor, limit - below);
+    EXPECT_GT(value(path, path.branches[0].points.back(), "height"), 0.3);
+  }
+}
+
+/// Where a stop is reached the path has a corner.
+TEST(EquilibriumPath, GoesRoundCorners) {
+  const EquilibriumPath path = path_of(R"(
+gravity: [0, 0, 0]
+bodies: {block: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+frames: {c: {body: block, at: [0, 0, 0]}}
+joints:
+  slide: {type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0],
+          spring: {elastic: {table: [[-1, -10], [0.3, 3], [1.3, 1003]], interpolation: linear}}}
+loads: {push: {on: c, force: [1, 0, 0]}}
+outputs: [{name: x, joint: slide}]
+)",
+                                       50);
+  EXPECT_EQ(path.branches[0].points.back().factor, 50) << path.branches[0].end;
+  for (const PathPoint& point : path.branches[0].points) {
+    const double x = value(path, point, "x");
+    EXPECT_NEAR(point.factor, x < 0.3 ? 10 * x : 3 + 1000 * (x - 0.3), 1e-7);
+    EXPECT_EQ(point.kind, Kind::regular);
+  }
+}
+
+/// A round column may fall to any side: turning about its axis resists nothing, and is no bifurcation.
+TEST(EquilibriumPath, OfARoundColumnHasNoFalseBifurcations) {
+  const EquilibriumPath path = path_of(R"(
+gravity: [0, 0, 0]
+bodies: {column: {mass: 1, com: [0, 0, 0.5], inertia: [0.1, 0.1, 0.1]}}
+frames: {top: {body: column, at: [0, 0, 1]}}
+joints: {foot: {type: spherical, between: [ground, column], at: [0, 0, 0]}}
+bushings: {b: {between: [ground, column], at: [0, 0, 0], stiffness: [0, 0, 0, 10, 10, 10]}}
+loads: {press: {on: top, force: [0, 0, -1]}}
+outputs: [{name: z, position: column, at: [0, 0, 1], component: z}]
+)",
+                                       15);
+  ASSERT_EQ(path.branches.size(), 3u);
+  EXPECT_EQ(special(path.branches[0], Kind::bifurcation).size(), 2u);
+  ASSERT_EQ(path.warnings.size(), 1u);
+  EXPECT_THAT(path.warnings[0], HasSubstr("several motions lose their stiffness at once"));
+  for (std::size_t b = 1; b < 3; ++b) {
+    for (std::size_t k = 1; k < path.branches[b].points.size(); ++k) {
+      EXPECT_EQ(path.branches[b].points[k].kind, Kind::regular);
+      EXPECT_EQ(path.branches[b].points[k].unstable, 0);
+      const double angle = std::acos(value(path, path.branches[b].points[k], "z"));
+      EXPECT_NEAR(path.branches[b].points[k].factor * std::sin(angle), 10 * angle, 1e-6);
+    }
+    EXPECT_EQ(path.branches[b].points.back().factor, 15);
+  }
+}
+
+/// Forces that follow each other have no potential: K = [[10, 5], [-5, 10]], whose eigenvalues are complex.
+TEST(EquilibriumPath, WarnsOfLoadsWithoutAPotential) {
+  const EquilibriumPath path = path_of(R"(
+gravity: [0, 0, 0]
+bodies:
+  a: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}
+  b: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}
+frames: {c: {body: b, at: [0, 0, 0]}}
+joints:
+  x: {type: prismatic, between: [ground, a], at: [0, 0, 0], axis: [1, 0, 0], spring: {stiffness: 10}}
+  y: {type: prismatic, between: [a, b], at: [0, 0, 0], axis: [0, 1, 0], spring: {stiffness: 10}}
+signals: {px: {position: b, component: x}, py: {position: b, component: y}, fx: "-5*py", fy: "5*px"}
+loads:
+  skew_x: {on: c, force: [1, 0, 0], scale: fx}
+  skew_y: {on: c, force: [0, 1, 0], scale: fy}
+  push: {on: c, force: [1, 0, 0]}
+outputs: [{name: x, joint: x}, {name: y, joint: y}]
+)",
+                                       5, [](auto& options) { options.loads = {"push"}; });
+  ASSERT_EQ(path.warnings.size(), 1u);
+  EXPECT_THAT(path.warnings[0], HasSubstr("not symmetric"));
+  const PathPoint& last = path.branches[0].points.back();
+  EXPECT_EQ(last.factor, 5);
+  EXPECT_EQ(last.unstable, 0);
+  EXPECT_NEAR(value(path, last, "x"), 0.4, 1e-9);
+  EXPECT_NEAR(value(path, last, "y"), 0.2, 1e-9);
+}
+
 TEST(EquilibriumPath, RefusesByName) {
   const auto said = [](const std::string& text,
                        const std::function<void(EquilibriumPathOptions&)>& more) -> std::string {
@@ -261,6 +431,12 @@ TEST(EquilibriumPath, RefusesByName) {
               HasSubstr("did you mean 'press'"));
   EXPECT_THAT(said(column(0), [](auto& options) { options.loads = {"gravity"}; }), HasSubstr("no gravity"));
   EXPECT_THAT(said(column(0), [](auto& options) { options.from = 1; }), HasSubstr("no range"));
+  EXPECT_THAT(said(column(0),
+                   [](auto& options) {
+                     options.loads = {"press", "press"};
+                   }),
+              HasSubstr("'press' is named twice"));
+  EXPECT_THAT(said(column(0) + "frictions: {rub: {joint: foot, torque: 5}}\n", {}), HasSubstr("remembers"));
   const char* const loose = R"(
 bodies: {ball: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
 frames: {centre: {body: ball, at: [0, 0, 0]}}

@@ -163,8 +163,8 @@ Buckling BucklingSearch::find() {
   if (out_.nonlinear > nonlinear_warning)
     out_.warnings.push_back(fmt::format(
         "at a hundredth of the first factor the stiffness is off its linear part by {:.2g} %: the mechanism "
-        "moves before it buckles, and the factors are estimates; follow its equilibria by `mimbre static` at "
-        "growing loads",
+        "moves before it buckles, and the factors are estimates; follow its equilibria by `mimbre static "
+        "--path`",
         100 * out_.nonlinear));
   return out_;
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "analysis/equilibria/path_equations.h"
+#include "analysis/equilibria/path_place.h"
 #include "base/cpu_time.h"
 #include "math/once/decompositions.h"
 #include "mimbre/diagnostics.h"
@@ -16,55 +17,45 @@
 namespace mimbre {
 namespace {
 
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Arc length counts coordinates by their scales and factors by their range. Of steps: the first, the longest
-// (of any coordinate, and of the factor), the shortest.
-constexpr double first_length = 0.02, longest_length = 0.1, shortest_length = 1e-7;
-// Corrections that end the iterations: at once, or where they do not get smaller any more.
-constexpr double corrected = 1e-11, nearly_corrected = 1e-8;
-constexpr int most_corrections = 12, few_corrections = 3;
-constexpr double furthest_correction = 0.5;  ///< beyond, the step was too long
+// (of any coordinate, and of the factor), the shortest, and that from which on a path may have a corner, as
+// where a stop is reached.
+constexpr double first_length = 0.02, longest_length = 0.1, shortest_length = 1e-7, corner_length = 1e-4;
+// Corrections of a step, of its length, all together: beyond, it may have come to another path.
+constexpr double reach = 0.5;
 // Tangents at the ends of a step: less like one another than this, and it is repeated; more, and the next is
 // longer.
 constexpr double least_likeness = 0.9, good_likeness = 0.995;
 constexpr double longer = 1.5;
-constexpr double round_off_of_pivots = 1e-12;
-constexpr double no_resistance = 1e-10;  ///< of the stiffness, by the largest
-constexpr double worked_on = 1e-4;  ///< of the loads: they work on a motion, which is then that of a limit
-constexpr double unsymmetric_path = 1e-6;  ///< of the stiffness
-constexpr double exact_crossing = 1e-9;    ///< of the step in which an eigenvalue changes its sign
-constexpr int most_halvings = 40;
+constexpr int few_corrections = 3;
+constexpr double exact_crossing = 1e-10;   ///< of the step in which an eigenvalue changes its sign
+constexpr double vanishes = 1e-9;          ///< an eigenvalue, where its size was about 1
+constexpr double nearly_vanishes = 1e-5;   ///< likewise: otherwise the stiffness jumps there
+constexpr double not_neutral = 1e-3;       ///< likewise, at the start of a step
+constexpr double same_factor = 1e-6;       ///< of two crossings, by the range
+constexpr double same_direction = 0.9999;  ///< of a branch and its parent
+constexpr int most_halvings = 60, most_failures = 6;
 constexpr double far_away = 10;  ///< ranges of the factor before the first: the path goes on for ever
 
-/// An equilibrium, with everything that the next step needs.
-struct PathPlace {
-  State state;
-  double factor = 0;
-  PathTangent tangent;
-  VectorXd eigenvalues;  ///< of the stiffness, ascending
-  MatrixXd vectors;      ///< likewise; empty where the stiffness is not symmetric
-  bool symmetric = true;
-  int unstable() const { return static_cast<int>((eigenvalues.array() < 0).count()); }
-};
-
-/// A direction of the path, of length one: along all scaled coordinates, and of the factor by its range.
-struct PathDirection {
-  VectorXd motion;
-  double factor = 0;
-  double length() const { return std::sqrt(motion.squaredNorm() + factor * factor); }
-  double largest() const {
-    return std::max(motion.size() == 0 ? 0 : motion.cwiseAbs().maxCoeff(), std::abs(factor));
-  }
-  double along(const PathDirection& other) const { return motion.dot(other.motion) + factor * other.factor; }
-};
-
-/// Where an eigenvalue of the stiffness vanishes between two places.
+/// Where the number of unstable directions changes, in a step.
 struct PathCrossing {
   PathPlace place;
-  VectorXd along;  ///< the independent motion without stiffness
-  bool limit = false;
+  double part = 0;  ///< of the step
+  VectorXd along;   ///< the independent motion without stiffness
+  PathPoint::Kind kind = PathPoint::Kind::regular;
+  int unstable = 0;  ///< the lesser of both sides
+};
+
+/// One step of a path.
+struct PathStep {
+  PathPlace from;
+  PathDirection along;
+  double length = 0;
+  PathPlace to;
+  PathDirection onward;  ///< the tangent at its end
+  int corrections = 0;
 };
 
 class PathSearch {
@@ -72,8 +63,11 @@ class PathSearch {
   PathSearch(const Model& model, const EquilibriumPathOptions& options)
       : options_(options),
         range_(options.to - options.from),
-        equations_(model.spec(), growing_loads(model.spec(), options.loads), options.inputs) {
-    out_.loads = growing_loads(model.spec(), options.loads).names;
+        sense_(range_ > 0 ? 1 : -1),
+        growing_(growing_loads(model.spec(), options.loads)),
+        equations_(model.spec(), growing_, options.inputs),
+        places_(equations_, range_) {
+    out_.loads = growing_.names;
   }
 
   EquilibriumPath find();
@@ -82,280 +76,258 @@ class PathSearch {
   struct Leaving {
     PathCrossing crossing;
     int branch;
+    PathDirection parent;
   };
 
-  bool look(PathPlace& place);
-  static bool find_eigenvalues(PathPlace& place);
-  static VectorXd solved(const MatrixXd& A, const VectorXd& b);
-  std::optional<PathPlace> corrected_from(State state, double factor, const PathDirection& across,
-                                          int* corrections = nullptr);
-  std::optional<PathPlace> ahead(const PathPlace& from, const PathDirection& along, double length,
-                                 int* corrections = nullptr);
-  std::optional<PathPlace> at_factor(const PathPlace& near, double factor);
-  std::optional<PathDirection> direction(const PathPlace& at, const PathDirection& like);
-  std::optional<PathCrossing> crossing(const PathPlace& from, const PathPlace& to, const PathDirection& along,
-                                       double length, Eigen::Index eigenvalue);
+  bool beyond(double factor) const { return sense_ * (factor - options_.to) >= 0; }
+  std::optional<PathStep> step(const PathPlace& from, const PathDirection& along, double& length,
+                               std::string& why);
+  std::optional<PathCrossing> crossing(const PathStep& s, int number);
+  void judge(const PathStep& s, int number, PathCrossing& found);
+  PathPoint::Kind kind_of_last(const PathStep& s, const PathPlace& last, VectorXd& along);
+  std::vector<PathCrossing> crossings(const PathStep& s);
+  std::optional<PathPlace> arrival(const PathStep& s, double before, double after);
   void check_held(const PathPlace& first) const;
-  void add(PathBranch& branch, const PathPlace& place);
+  PathPoint& add(std::size_t branch, const PathPlace& place, int unstable);
+  void add_crossing(std::size_t branch, const PathStep& s, const PathCrossing& found);
+  bool take(std::size_t branch, const PathStep& s);
   void follow(std::size_t branch, PathPlace place, PathDirection along);
-  bool take_crossings(std::size_t branch, const PathPlace& from, const PathPlace& to,
-                      const PathDirection& along, double length);
   void leave(const Leaving& leaving);
 
   const EquilibriumPathOptions& options_;
-  const double range_;
+  const double range_, sense_;
+  const GrowingLoads growing_;
   PathEquations equations_;
+  PathPlaces places_;
   EquilibriumPath out_;
   std::vector<Leaving> bifurcations_;
   int points_ = 0;
+  bool warned_of_symmetry_ = false;
 };
 
-/// The equations at the place; false where they are not finite.
-bool PathSearch::look(PathPlace& place) {
-  place.tangent = equations_.at(place.state, place.factor);
-  const PathTangent& t = place.tangent;
-  return t.stiffness.allFinite() && t.force.allFinite() && t.load.allFinite();
-}
-
-/// What the stiffness there says.
-bool PathSearch::find_eigenvalues(PathPlace& place) {
-  const MatrixXd& K = place.tangent.stiffness;
-  place.symmetric = (K - K.transpose()).norm() <= unsymmetric_path * K.norm();
-  if (place.symmetric) {
-    EigenPairs pairs = symmetric_eigen((K + K.transpose()) / 2);
-    if (!pairs.ok) return false;
-    place.eigenvalues = std::move(pairs.values);
-    place.vectors = std::move(pairs.vectors);
-  } else {
-    // Real ones alone change the sign of the determinant.
-    const Eigen::VectorXcd values = mimbre::eigenvalues(K);
-    std::vector<double> real;
-    for (const std::complex<double>& x : values)
-      if (x.imag() == 0) real.push_back(x.real());
-    std::sort(real.begin(), real.end());
-    place.eigenvalues = Eigen::Map<const VectorXd>(real.data(), std::ssize(real));
-    place.vectors.resize(0, 0);
-  }
-  return true;
-}
-
-/// Where several paths cross the shortest of all solutions.
-VectorXd PathSearch::solved(const MatrixXd& A, const VectorXd& b) {
-  VectorXd x = solve(A, b);
-  if (!x.allFinite() && A.allFinite()) x = shortest_solution(A, b, round_off_of_pivots);
-  return x;
-}
-
-/// The equilibrium in the plane across a direction through this state.
-std::optional<PathPlace> PathSearch::corrected_from(State state, double factor, const PathDirection& across,
-                                                    int* corrections) {
-  PathPlace place{std::move(state), factor, {}, {}, {}, true};
-  double before = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < most_corrections; ++k) {
-    if (!look(place)) return {};
-    const PathTangent& t = place.tangent;
-    const Eigen::Index f = t.force.size();
-    const double strength = std::max(t.stiffness.cwiseAbs().maxCoeff(), 1e-300);
-    MatrixXd A = MatrixXd::Zero(f + 1, f + 1);
-    VectorXd b = VectorXd::Zero(f + 1);
-    A.topLeftCorner(f, f) = t.stiffness / strength;
-    A.topRightCorner(f, 1) = t.load * (range_ / strength);
-    A.bottomLeftCorner(1, f) = (t.motions.transpose() * across.motion).transpose();
-    A(f, f) = across.factor;
-    b.head(f) = -t.force / strength;
-    const VectorXd x = solved(A, b);
-    if (!x.allFinite()) return {};
-    const PathDirection step{t.motions * x.head(f), x[f]};
-    const double size = step.largest();
-    if (size > furthest_correction) return {};
-    if (!equations_.move(place.state, step.motion)) return {};
-    place.factor += step.factor * range_;
-    const bool stays = size > before / 2;
-    if (size <= corrected || (size <= nearly_corrected && stays)) {
-      if (corrections) *corrections = k + 1;
-      // The last position but one is as near.
-      return find_eigenvalues(place) ? std::optional(std::move(place)) : std::nullopt;
-    }
-    before = size;
-  }
-  return {};
-}
-
-std::optional<PathPlace> PathSearch::ahead(const PathPlace& from, const PathDirection& along, double length,
-                                           int* corrections) {
-  State state = from.state;
-  if (!equations_.move(state, length * along.motion)) return {};
-  return corrected_from(std::move(state), from.factor + length * along.factor * range_, along, corrections);
-}
-
-std::optional<PathPlace> PathSearch::at_factor(const PathPlace& near, double factor) {
-  return corrected_from(near.state, factor, {VectorXd::Zero(near.tangent.motions.rows()), 1});
-}
-
-/// The path's tangent, on the side of `like`.
-std::optional<PathDirection> PathSearch::direction(const PathPlace& at, const PathDirection& like) {
-  const PathTangent& t = at.tangent;
-  const Eigen::Index f = t.force.size();
-  const double strength = std::max(t.stiffness.cwiseAbs().maxCoeff(), 1e-300);
-  MatrixXd A = MatrixXd::Zero(f + 1, f + 1);
-  A.topLeftCorner(f, f) = t.stiffness / strength;
-  A.topRightCorner(f, 1) = t.load * (range_ / strength);
-  A.bottomLeftCorner(1, f) = (t.motions.transpose() * like.motion).transpose();
-  A(f, f) = like.factor;
-  const VectorXd x = solved(A, VectorXd::Unit(f + 1, f));
-  if (!x.allFinite()) return {};
-  PathDirection out{t.motions * x.head(f), x[f]};
-  const double length = out.length();
-  if (!(length > 0) || !std::isfinite(length)) return {};
-  out.motion /= length;
-  out.factor /= length;
-  return out;
-}
-
-/// By regula falsi (Illinois) with an eigenvalue of a symmetric stiffness, by halving with the number of
-/// negative ones otherwise.
-std::optional<PathCrossing> PathSearch::crossing(const PathPlace& from, const PathPlace& to,
-                                                 const PathDirection& along, double length,
-                                                 Eigen::Index eigenvalue) {
-  const auto value = [&](const PathPlace& place) {
-    if (place.symmetric && eigenvalue < place.eigenvalues.size()) return place.eigenvalues[eigenvalue];
-    return place.unstable() > eigenvalue ? -1.0 : 1.0;
-  };
-  double low = 0, high = 1, f_low = value(from), f_high = value(to);
-  PathPlace nearest = std::abs(f_low) < std::abs(f_high) ? from : to;
-  for (int k = 0; k < most_halvings && high - low > exact_crossing; ++k) {
-    const bool by_halves = !from.symmetric || k % 4 == 3;
-    double part = by_halves ? (low + high) / 2 : (low * f_high - high * f_low) / (f_high - f_low);
-    part = std::clamp(part, low + 0.01 * (high - low), high - 0.01 * (high - low));
-    std::optional<PathPlace> between = ahead(from, along, part * length);
-    if (!between) return {};
-    const double f = value(*between);
-    nearest = std::move(*between);
-    if (f == 0) break;
-    if ((f < 0) == (f_low < 0)) {
-      low = part;
-      f_low = f;
-      f_high /= 2;
-    } else {
-      high = part;
-      f_high = f;
-      f_low /= 2;
-    }
-  }
-  PathCrossing out;
-  const PathTangent& t = nearest.tangent;
-  if (nearest.symmetric && eigenvalue < nearest.vectors.cols()) {
-    out.along = nearest.vectors.col(eigenvalue);
-    out.limit = std::abs(out.along.dot(t.load)) > worked_on * t.load.norm();
-  } else {
-    // The shortest image, and of what no combination of forces is changed, by inverse iteration.
-    const Eigen::Index f = t.force.size();
-    VectorXd left = VectorXd::Ones(f);
-    out.along = VectorXd::Ones(f);
-    const MatrixXd back = t.stiffness.transpose();
-    for (int k = 0; k < 4; ++k) {
-      out.along = solve(t.stiffness, out.along.normalized());
-      left = solve(back, left.normalized());
-    }
-    if (!out.along.allFinite() || !left.allFinite()) return {};
-    out.along.normalize();
-    out.limit = std::abs(left.normalized().dot(t.load)) > worked_on * t.load.norm();
-  }
-  out.place = std::move(nearest);
-  return out;
-}
-
 void PathSearch::check_held(const PathPlace& first) const {
-  const double largest = first.eigenvalues.cwiseAbs().maxCoeff();
-  for (Eigen::Index k = 0; k < first.eigenvalues.size(); ++k)
-    if (!(std::abs(first.eigenvalues[k]) > no_resistance * largest))
-      throw std::runtime_error(fmt::format(
-          "equilibrium path: at a factor of {:.4g} nothing holds the mechanism along {}, so that its "
-          "equilibrium is not one point; hold it by a joint or a spring, or begin with another factor",
-          first.factor,
-          first.symmetric ? equations_.shares(first.tangent, first.vectors.col(k)) : "some motion"));
+  const VectorXd loose = places_.without_stiffness(first);
+  if (loose.size() == 0) return;
+  throw std::runtime_error(fmt::format(
+      "equilibrium path: at a factor of {:.4g} nothing holds the mechanism along {}, so that its equilibrium "
+      "is not one point; hold it by a joint or a spring, or begin with another factor",
+      first.factor, equations_.shares(first.tangent, loose)));
 }
 
-void PathSearch::add(PathBranch& branch, const PathPlace& place) {
+PathPoint& PathSearch::add(std::size_t branch, const PathPlace& place, int unstable) {
   AtRest at_rest = equations_.sample(place.state, place.factor);
   if (out_.channels.empty()) {
     out_.channels = at_rest.channels;
     out_.output_count = at_rest.output_count;
     for (const std::string& text : at_rest.warnings) out_.warnings.push_back(text);
   }
-  branch.points.push_back({place.factor, at_rest.values, place.unstable(), PathPoint::Kind::regular, {}});
+  if (!place.symmetric && !warned_of_symmetry_) {
+    warned_of_symmetry_ = true;
+    out_.warnings.push_back(
+        fmt::format("at a factor of {:.6g} the stiffness is not symmetric, because the loads have no "
+                    "potential: unstable directions are then eigenvalues with a negative real part, and "
+                    "flutter is not found; use `mimbre modes`",
+                    place.factor));
+  }
+  std::vector<PathPoint>& points = out_.branches[branch].points;
+  points.push_back({place.factor, at_rest.values, unstable, PathPoint::Kind::regular, {}});
   ++points_;
   if (options_.progress) options_.progress(place.factor, points_);
+  return points.back();
 }
 
-/// Points where eigenvalues change their signs between two places, in their order. False where one was not
-/// found.
-bool PathSearch::take_crossings(std::size_t at, const PathPlace& from, const PathPlace& to,
-                                const PathDirection& along, double length) {
-  const int least = std::min(from.unstable(), to.unstable()), most = std::max(from.unstable(), to.unstable());
+/// The next equilibrium along the tangent; shorter where corrections lead far, the tangent turns, or the
+/// factor turns back without a change of stability.
+std::optional<PathStep> PathSearch::step(const PathPlace& from, const PathDirection& along, double& length,
+                                         std::string& why) {
+  std::optional<PathDirection> tangent = places_.direction(from, along);
+  if (!tangent) {
+    why = "the path has no single direction there";
+    return {};
+  }
+  length = std::min(length, longest_length / tangent->largest());
+  why = "no equilibrium was found further on";
+  for (; length >= shortest_length; length /= 2) {
+    int corrections = 0;
+    std::optional<PathPlace> next = places_.ahead(from, *tangent, length, reach, &corrections);
+    if (!next) continue;
+    std::optional<PathDirection> onward = places_.direction(*next, *tangent);
+    if (!onward) continue;
+    if (length > corner_length) {
+      why = "the tangent turns there, however short the step";
+      if (onward->along(*tangent) < least_likeness) continue;
+      if (onward->factor * tangent->factor < 0 && next->unstable == from.unstable) continue;
+    }
+    return PathStep{from, *tangent, length, std::move(*next), std::move(*onward), corrections};
+  }
+  return {};
+}
+
+/// Where `number` directions with negative stiffness become one more, or fewer: by regula falsi (Illinois)
+/// with that eigenvalue, by halving otherwise.
+std::optional<PathCrossing> PathSearch::crossing(const PathStep& s, int number) {
+  const auto is_more = [&](const PathPlace& place) { return place.negative > number; };
+  const bool more = is_more(s.from);
+  const auto value = [&](const PathPlace& place) {
+    const bool known = place.symmetric && number < place.eigenvalues.size();
+    return known ? place.eigenvalues[number] : is_more(place) ? -1. : 1.;
+  };
+  double low = 0, high = 1, at_low = value(s.from), at_high = value(s.to);
+  PathCrossing found;
+  found.place = std::abs(at_low) < std::abs(at_high) ? s.from : s.to;
+  found.part = std::abs(at_low) < std::abs(at_high) ? 0 : 1;
+  int failures = 0;
+  for (int k = 0; k < most_halvings && high - low > exact_crossing; ++k) {
+    const bool halves = !s.from.symmetric || k % 4 == 3 || !(at_low * at_high < 0);
+    double part = halves ? (low + high) / 2 : (low * at_high - high * at_low) / (at_high - at_low);
+    part = std::clamp(part, low + 0.01 * (high - low), high - 0.01 * (high - low));
+    std::optional<PathPlace> between = places_.ahead(s.from, s.along, part * s.length, 1);
+    if (!between) {
+      // Beside it there may be one.
+      if (++failures > most_failures) break;
+      part = low + (0.3 + 0.1 * failures) * (high - low);
+      between = places_.ahead(s.from, s.along, part * s.length, 1);
+      if (!between) continue;
+    }
+    const double f = value(*between);
+    const bool same = is_more(*between) == more;
+    found.place = std::move(*between);
+    found.part = part;
+    if (std::abs(f) < vanishes) break;
+    if (same) {
+      low = part;
+      at_low = f;
+      at_high /= 2;
+    } else {
+      high = part;
+      at_high = f;
+      at_low /= 2;
+    }
+  }
+  if (failures > most_failures && high - low > 1e-3) return {};
+  found.unstable = std::min(s.from.unstable, s.to.unstable);
+  judge(s, number, found);
+  return found;
+}
+
+/// Which kind of point it is. Beside a limit the loads work on the motion that has no stiffness.
+void PathSearch::judge(const PathStep& s, int number, PathCrossing& found) {
+  const auto [along, left, size] = places_.motion(found.place, number);
+  found.along = along;
+  if (along.size() == 0) return;
+  if (size > nearly_vanishes) {
+    // The stiffness jumps. At a corner the factor may turn back.
+    if (s.along.factor * s.onward.factor < 0) found.kind = PathPoint::Kind::limit;
+    return;
+  }
+  found.kind = places_.works(found.place, left) ? PathPoint::Kind::limit : PathPoint::Kind::bifurcation;
+}
+
+std::vector<PathCrossing> PathSearch::crossings(const PathStep& s) {
   std::vector<PathCrossing> found;
-  for (int k = least; k < most; ++k) {
-    std::optional<PathCrossing> one = crossing(from, to, along, length, k);
-    if (!one) return false;
-    found.push_back(std::move(*one));
+  const int least = std::min(s.from.negative, s.to.negative), most = std::max(s.from.negative, s.to.negative);
+  // What is not symmetric changes the sign of its determinant with an odd number alone.
+  const bool symmetric = s.from.symmetric && s.to.symmetric;
+  for (int k = least; k < (symmetric ? most : least + (most - least) % 2); ++k) {
+    std::optional<PathCrossing> one = crossing(s, k);
+    if (one && one->kind != PathPoint::Kind::regular) found.push_back(std::move(*one));
+    if (!one)
+      out_.warnings.push_back(
+          fmt::format("between factors of {:.6g} and {:.6g} the number of unstable directions changes, and "
+                      "the point where it does so was not found",
+                      s.from.factor, s.to.factor));
   }
-  // Sequence along the path.
-  const double sense = to.factor >= from.factor ? 1 : -1;
-  std::stable_sort(found.begin(), found.end(), [&](const PathCrossing& a, const PathCrossing& b) {
-    return sense * a.place.factor < sense * b.place.factor;
-  });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const PathCrossing& a, const PathCrossing& b) { return a.part < b.part; });
+  const int change = s.to.unstable > s.from.unstable ? 1 : -1;
+  int now = s.from.unstable;
   for (PathCrossing& one : found) {
-    add(out_.branches[at], one.place);
-    PathPoint& point = out_.branches[at].points.back();
-    point.unstable = from.unstable();
-    point.kind = one.limit ? PathPoint::Kind::limit : PathPoint::Kind::bifurcation;
-    point.moving = equations_.shares(one.place.tangent, one.along);
-    if (!one.limit) bifurcations_.push_back({std::move(one), static_cast<int>(at)});
+    one.unstable = std::max(0, std::min(now, now + change));
+    now += change;
   }
-  return true;
+  for (std::size_t k = 1; k < found.size(); ++k)
+    if (found[k].kind == PathPoint::Kind::bifurcation &&
+        std::abs(found[k].place.factor - found[k - 1].place.factor) < same_factor * std::abs(range_))
+      out_.warnings.push_back(
+          fmt::format("at a factor of {:.6g} several motions lose their stiffness at once: there may be more "
+                      "branches than those along each of them",
+                      found[k].place.factor));
+  return found;
+}
+
+/// The equilibrium with the last factor, between two parts of a step on both sides of it.
+std::optional<PathPlace> PathSearch::arrival(const PathStep& s, double before, double after) {
+  PathPlace nearest = s.to;
+  for (int k = 0; k < 8; ++k) {
+    const double part = (before + after) / 2;
+    std::optional<PathPlace> between = places_.ahead(s.from, s.along, part * s.length, 1);
+    if (!between) break;
+    nearest = std::move(*between);
+    (beyond(nearest.factor) ? after : before) = part;
+  }
+  return places_.at_factor(nearest, options_.to, reach);
+}
+
+/// The last point may be a limit or a bifurcation itself, whose eigenvalue does not change its sign before.
+PathPoint::Kind PathSearch::kind_of_last(const PathStep& s, const PathPlace& last, VectorXd& along) {
+  for (int k = 0; k < last.eigenvalues.size() && k < s.from.eigenvalues.size(); ++k) {
+    if (std::abs(last.eigenvalues[k]) > nearly_vanishes || std::abs(s.from.eigenvalues[k]) < not_neutral)
+      continue;
+    const auto [motion, left, size] = places_.motion(last, k);
+    along = motion;
+    return places_.works(last, left) ? PathPoint::Kind::limit : PathPoint::Kind::bifurcation;
+  }
+  return PathPoint::Kind::regular;
+}
+
+void PathSearch::add_crossing(std::size_t branch, const PathStep& s, const PathCrossing& found) {
+  PathPoint& point = add(branch, found.place, found.unstable);
+  point.kind = found.kind;
+  point.moving = equations_.shares(found.place.tangent, found.along);
+  if (found.kind == PathPoint::Kind::bifurcation)
+    bifurcations_.push_back({found, static_cast<int>(branch), s.along});
+}
+
+/// Adds the points of a step; true where it arrives at the last factor.
+bool PathSearch::take(std::size_t branch, const PathStep& s) {
+  double part = 0, factor = s.from.factor;
+  const auto passes = [&](double next) { return beyond(next) && !beyond(factor); };
+  const auto arrive = [&](double after) {
+    const std::optional<PathPlace> last = arrival(s, part, after);
+    if (!last) return false;
+    VectorXd along;
+    const PathPoint::Kind kind = kind_of_last(s, *last, along);
+    PathPoint& point = add(branch, *last, last->unstable);
+    point.kind = kind;
+    if (kind != PathPoint::Kind::regular) point.moving = equations_.shares(last->tangent, along);
+    return true;
+  };
+  for (const PathCrossing& one : crossings(s)) {
+    if (passes(one.place.factor) && arrive(one.part)) return true;
+    add_crossing(branch, s, one);
+    part = one.part;
+    factor = one.place.factor;
+  }
+  if (passes(s.to.factor) && arrive(1)) return true;
+  add(branch, s.to, s.to.unstable);
+  return false;
 }
 
 /// Equilibria from the place on, which is already on the branch.
 void PathSearch::follow(std::size_t at, PathPlace place, PathDirection along) {
   const auto end = [&](std::string text) { out_.branches[at].end = std::move(text); };
-  const double sense = range_ > 0 ? 1 : -1;
   double length = first_length;
   while (std::ssize(out_.branches[at].points) < options_.most_points) {
-    const std::optional<PathDirection> tangent = direction(place, along);
-    if (!tangent) return end("the path has no single direction there");
-    length = std::min(length, longest_length / tangent->largest());
-    std::optional<PathPlace> next;
-    PathDirection onward;
-    int corrections = 0;
-    for (;; length /= 2) {
-      if (length < shortest_length) return end("no equilibrium was found further on");
-      next = ahead(place, *tangent, length, &corrections);
-      if (!next) continue;
-      const std::optional<PathDirection> turned = direction(*next, *tangent);
-      if (!turned || turned->along(*tangent) < least_likeness) continue;
-      onward = *turned;
-      break;
-    }
-    const bool arrives =
-        sense * (next->factor - options_.to) >= 0 && sense * (place.factor - options_.to) < 0;
-    if (arrives) {
-      std::optional<PathPlace> last = at_factor(*next, options_.to);
-      if (last) next = std::move(last);
-    }
-    // The last step to a given factor is no longer than this one.
-    if (!take_crossings(at, place, *next, *tangent, length))
-      out_.warnings.push_back(
-          fmt::format("between factors of {:.6g} and {:.6g} the number of unstable directions changes, and "
-                      "the point where "
-                      "was not found",
-                      place.factor, next->factor));
-    add(out_.branches[at], *next);
-    if (arrives) return end("");
-    if (sense * (next->factor - options_.from) < -far_away * std::abs(range_))
+    std::string why;
+    std::optional<PathStep> next = step(place, along, length, why);
+    if (!next) return end(why);
+    if (take(at, *next)) return end("");
+    if (sense_ * (next->to.factor - options_.from) < -far_away * std::abs(range_))
       return end("the factor moves away from the last one");
-    if (corrections <= few_corrections && onward.along(*tangent) > good_likeness) length *= longer;
-    place = std::move(*next);
-    along = std::move(onward);
+    if (next->corrections <= few_corrections && next->onward.along(next->along) > good_likeness)
+      length *= longer;
+    place = std::move(next->to);
+    along = std::move(next->onward);
   }
   end(fmt::format("{} points are enough", options_.most_points));
 }
@@ -363,31 +335,38 @@ void PathSearch::follow(std::size_t at, PathPlace place, PathDirection along) {
 /// Both branches of a bifurcation.
 void PathSearch::leave(const Leaving& leaving) {
   const PathCrossing& from = leaving.crossing;
-  PathDirection side{from.place.tangent.motions * from.along, 0};
-  side.motion /= side.length();
+  const std::optional<PathDirection> parent = places_.direction(from.place, leaving.parent);
   for (const int sense : {1, -1}) {
-    PathDirection along{sense * side.motion, 0};
+    PathDirection along{sense * (from.place.tangent.motions * from.along), 0};
+    along.motion /= along.length();
     std::optional<PathPlace> first;
     double length = first_length;
-    for (int k = 0; k < 8 && !first; ++k, length /= 2) first = ahead(from.place, along, length);
-    PathBranch branch;
-    branch.parent = leaving.branch;
-    branch.leaves_at = from.place.factor;
-    branch.sense = sense;
-    out_.branches.push_back(std::move(branch));
+    for (int k = 0; k < 10; ++k, length /= 2) {
+      first = places_.ahead(from.place, along, length, reach);
+      if (first && (!beyond(first->factor) || beyond(from.place.factor))) break;
+    }
+    out_.branches.push_back({leaving.branch, from.place.factor, sense, {}, {}});
     const std::size_t at = out_.branches.size() - 1;
-    add(out_.branches[at], from.place);
-    out_.branches[at].points.back().kind = PathPoint::Kind::bifurcation;
-    out_.branches[at].points.back().moving = equations_.shares(from.place.tangent, from.along);
+    PathPoint& point = add(at, from.place, from.unstable);
+    point.kind = PathPoint::Kind::bifurcation;
+    point.moving = equations_.shares(from.place.tangent, from.along);
+    if (first) {
+      along.factor = (first->factor - from.place.factor) / (range_ * length);
+      const double whole = along.length();
+      along.motion /= whole;
+      along.factor /= whole;
+      if (parent && std::abs(along.along(*parent)) > same_direction) first.reset();
+    }
     if (!first) {
       out_.branches[at].end = "no equilibrium was found beside the bifurcation";
       continue;
     }
-    add(out_.branches[at], *first);
-    along.factor = (first->factor - from.place.factor) / (range_ * length);
-    const double whole = along.length();
-    along.motion /= whole;
-    along.factor /= whole;
+    if (beyond(first->factor)) {
+      if (const std::optional<PathPlace> last = places_.at_factor(*first, options_.to, reach))
+        add(at, *last, last->unstable);
+      continue;
+    }
+    add(at, *first, first->unstable);
     follow(at, std::move(*first), std::move(along));
   }
 }
@@ -397,15 +376,19 @@ EquilibriumPath PathSearch::find() {
   if (!std::isfinite(range_) || range_ == 0)
     throw InputError(Mark{}, fmt::format("factors from {} to {} are no range", options_.from, options_.to));
   if (options_.most_points < 2) throw InputError(Mark{}, "at least 2 points of a path are needed");
-  PathPlace first{equations_.start(options_.from, out_.warnings), options_.from, {}, {}, {}, true};
-  if (!look(first) || !find_eigenvalues(first))
-    throw std::runtime_error("equilibrium path: the stiffness is not a number");
+  PathPlace first;
+  first.state = equations_.start(options_.from, out_.warnings);
+  first.factor = options_.from;
+  if (!places_.look(first)) throw std::runtime_error("equilibrium path: the stiffness is not a number");
   if (first.tangent.force.size() == 0)
     throw std::runtime_error("equilibrium path: the mechanism has no motion, so that nothing gives way");
+  places_.measure(first);
+  if (!places_.judge(first)) throw std::runtime_error("equilibrium path: no eigenvalues were found");
   check_held(first);
-  if (std::optional<PathPlace> better = at_factor(first, options_.from)) first = std::move(*better);
+  if (std::optional<PathPlace> better = places_.at_factor(first, options_.from, 1))
+    first = std::move(*better);
   out_.branches.emplace_back();
-  add(out_.branches[0], first);
+  add(0, first, first.unstable);
   const PathDirection onward{VectorXd::Zero(first.tangent.motions.rows()), 1};
   follow(0, std::move(first), onward);
   for (int k = 0; k < options_.bifurcations && k < std::ssize(bifurcations_); ++k) {

@@ -14,7 +14,11 @@ GrowingLoads growing_loads(const spec::Model& spec, const std::vector<std::strin
   std::vector<std::string> names;
   for (const spec::Load& load : spec.loads) names.push_back(load.name);
   for (std::size_t k = 0; k < names.size() && wanted.empty(); ++k) growing.loads.push_back(k);
-  for (const std::string& name : wanted) {
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    const std::string& name = wanted[k];
+    if (std::find(wanted.begin(), wanted.begin() + static_cast<std::ptrdiff_t>(k), name) !=
+        wanted.begin() + static_cast<std::ptrdiff_t>(k))
+      throw InputError(Mark{}, fmt::format("load '{}' is named twice", name));
     const auto at = std::find(names.begin(), names.end(), name);
     if (name == "gravity" && at == names.end())
       growing.weight = true;

@@ -9,11 +9,15 @@
 #include <utility>
 
 #include "analysis/linear_core.h"
+#include "analysis/linear_element.h"
 #include "analysis/linear_point.h"
 #include "analysis/linear_reduction.h"
+#include "compile/element_name.h"
 #include "integrate/initial.h"
+#include "mimbre/diagnostics.h"
 #include "simulation/describe/explain.h"
 #include "simulation/start/assembly.h"
+#include "spec/force_law.h"
 
 namespace mimbre {
 
@@ -23,6 +27,17 @@ namespace {
 
 constexpr double named_share_of_motion = 0.05;
 constexpr double closed_path_loops = 1e-9;  ///< of the equations' scales
+
+/// What friction, tyres and contacts remember decides where they hold: their equilibria are no curve.
+void refuse_memory(const Compiled& m) {
+  for (const ElementData& e : m.elements)
+    if (linear::needs_linear_element(e) && law_info(e.law).name != "bushing")
+      throw InputError(
+          {m.spec().file, 0, 0},
+          fmt::format("{} remembers how it came to where it is, as friction, stops, contacts and "
+                      "tyres do, so that its equilibria are no single path; leave it out for this",
+                      element_name(m, e)));
+}
 
 }  // namespace
 
@@ -53,8 +68,10 @@ PathEquations::PathEquations(const spec::Model& spec, GrowingLoads growing,
       inputs_(std::move(inputs)),
       without_(std::make_unique<Loaded>(spec_, growing_, 0)),
       once_(std::make_unique<Loaded>(spec_, growing_, 1)),
-      scale_(Eigen::Map<const VectorXd>(once_->system.scales().coordinates.data(),
-                                        once_->system.velocities())) {}
+      scale_(
+          Eigen::Map<const VectorXd>(once_->system.scales().coordinates.data(), once_->system.velocities())) {
+  refuse_memory(once_->model->compiled());
+}
 
 PathEquations::~PathEquations() = default;
 

@@ -7,6 +7,7 @@
 #include "simulation/describe/explain.h"
 #include "simulation/start/assembly.h"
 #include "simulation/start/drawn_open.h"
+#include "simulation/start/elastodynamics.h"
 
 namespace mimbre {
 
@@ -14,6 +15,7 @@ StaticResult static_equilibrium(std::shared_ptr<const Model> model, const RunOpt
   const double start = thread_cpu_seconds();
   const Compiled& m = model->compiled();
   const Method method = resolve_method(m.spec().simulation, options);
+  if (method.formulation == spec::Simulation::Formulation::natural) refuse_elastodynamics(m, method);
   relative::RelativeSystem system(m, method.inertia);
   const auto natural = make_natural(m, method);
   State s = assembled_state(m, system, options.inputs);

@@ -20,14 +20,14 @@ EquilibriumPath found_path(const LoadedModel& loaded, const PathArguments& given
                            const std::vector<std::string>& loads) {
   EquilibriumPathOptions options;
   options.loads = loads;
-  options.from = given.from;
-  options.to = given.to;
-  options.most_points = given.points;
-  options.bifurcations = given.bifurcations;
+  options.from = given.from.value_or(options.from);
+  options.to = given.to.value_or(options.to);
+  options.most_points = given.points.value_or(options.most_points);
+  options.bifurcations = given.bifurcations.value_or(options.bifurcations);
   Progress progress(true);
   options.progress = [&](double factor, int points) {
     progress.update(fmt::format("factor {:.4g}, {} equilibria", factor, points),
-                    std::min(1.0, std::abs((factor - given.from) / (given.to - given.from))));
+                    std::min(1.0, std::abs((factor - options.from) / (options.to - options.from))));
   };
   try {
     return equilibrium_path(loaded.model, options);
@@ -102,16 +102,21 @@ std::string to_table(const EquilibriumPath& path) {
 
 void add_path_options(Parser& parser, PathArguments& a) {
   parser.add_flag("--path", a.wanted, "Follow the equilibria while loads grow, also beyond buckling");
-  parser.add_option("--from", a.from, "With --path: factor of the loads at first").show_default();
-  parser.add_option("--to", a.to, "With --path: factor at last").show_default();
-  parser.add_option("--points", a.points, "With --path: equilibria of each branch at most")
-      .within(2, 100000)
-      .show_default();
-  parser.add_option("--bifurcations", a.bifurcations, "With --path: bifurcations to branch at, at most")
-      .within(0, 100)
-      .show_default();
+  parser.add_option("--from", a.from, "With --path: factor of the loads at first; default: 0");
+  parser.add_option("--to", a.to, "With --path: factor at last; default: 1");
+  parser.add_option("--points", a.points, "With --path: equilibria of each branch at most; default: 200")
+      .within(2, 100000);
+  parser
+      .add_option("--bifurcations", a.bifurcations,
+                  "With --path: bifurcations to branch at, at most; default: 1")
+      .within(0, 100);
   parser.add_option("-o,--output", a.output, "With --path: write the equilibria as CSV")
       .type_name("FILE.csv");
+}
+
+void refuse_path_options(const PathArguments& a) {
+  if (a.from || a.to || a.points || a.bifurcations || !a.output.empty())
+    throw UsageError("--from, --to, --points, --bifurcations and -o are options of --path, which is missing");
 }
 
 int run_path(const LoadedModel& loaded, const PathArguments& arguments, const std::vector<std::string>& loads,

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,13 +10,16 @@ namespace mimbre::app {
 
 struct PathArguments {
   bool wanted = false;
-  double from = 0, to = 1;
-  int points = 200, bifurcations = 1;
+  std::optional<double> from, to;
+  std::optional<int> points, bifurcations;
   std::string output;  ///< CSV
 };
 
 /// The options, beside those of `static`. `loads` are those of --load.
 void add_path_options(Parser& parser, PathArguments& arguments);
+
+/// Throws UsageError where options of --path are given without it.
+void refuse_path_options(const PathArguments& arguments);
 
 /// Returns the exit code.
 int run_path(const LoadedModel& loaded, const PathArguments& arguments, const std::vector<std::string>& loads,

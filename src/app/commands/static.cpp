@@ -124,8 +124,9 @@ int run_static(const StaticArguments& arguments) {
   if (!arguments.buckling && !path.wanted && !arguments.loads.empty())
     throw UsageError("--load selects the loads of --buckling or --path, which are missing");
   if (arguments.buckling && path.wanted) throw UsageError("--buckling and --path exclude each other");
-  if (!path.wanted && !path.output.empty())
-    throw UsageError("-o is where equilibria of --path are written, which is missing");
+  if (!path.wanted) refuse_path_options(path);
+  if (path.wanted && (arguments.method.formulation || arguments.method.inertia))
+    throw UsageError("--path works in relative coordinates with shape integrals, whatever the options state");
   const LoadedModel loaded = load(arguments.model, arguments.settings);
   if (path.wanted) {
     if (!path.output.empty()) require_different(arguments.model, path.output);
