@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "analysis/linear_description.h"
+#include "analysis/modal_scales.h"
 #include "analysis/trim_point.h"
 #include "dynamics/relative/forces.h"
 #include "integrate/initial.h"
@@ -211,6 +212,17 @@ PointState state_of(const Compiled& m, relative::RelativeSystem& system, const L
   return out;
 }
 
+/// Such a body does not act on the mechanism that moves it, so that there is no symmetric mass.
+void refuse_elastodynamic_bodies(const Compiled& m) {
+  for (const BodyData& b : m.bodies) {
+    if (!b.elastodynamic) continue;
+    const spec::Body& body = m.spec().bodies[static_cast<std::size_t>(b.spec)];
+    throw InputError(body.mark, fmt::format("body '{}' bends by elastodynamics, which linear analyses do not "
+                                            "cover; use flexibility: floating_frame for them",
+                                            body.name));
+  }
+}
+
 [[noreturn]] void refuse_massless(const Compiled& m, int coordinate) {
   throw std::runtime_error(
       fmt::format("{} moves no mass, so that the equations of motion are not solvable for its "
@@ -335,20 +347,21 @@ void fold_bristles(Linearised& out) {
 
 void linearise_state(const Compiled& m, const relative::RelativeSystem& system, Linearised& out) {
   State& s = out.state;
+  const Scales scales = modal_scales(m, system.scales());
   LinearCore core(m, s, pace_of(system, s.v));
   core.find_mass(out.derivatives);
   // Those of another point may be given.
-  const Independent independent(out.derivatives.jacobian, system.scales(), false, out.moving);
+  const Independent independent(out.derivatives.jacobian, scales, false, out.moving);
   refuse_singular(m, system, core, independent);
   int massless = -1;
-  if (!consistent_accelerations(out.derivatives, independent, system.scales(), s.a, s.multipliers, massless))
+  if (!consistent_accelerations(out.derivatives, independent, scales, s.a, s.multipliers, massless))
     refuse_massless(m, massless);
   core.find_derivatives(s.a, s.multipliers, out.derivatives);
   const LinearCore::Rates rates = core.rates();
   const std::vector<char>& is_rate = system.scales().is_rate;
   const bool rolls = std::find(is_rate.begin(), is_rate.end(), 1) != is_rate.end();
-  const Independent positions(out.derivatives.jacobian, system.scales(), rolls, out.independent);
-  out.reduced = reduce(out.derivatives, rates, positions, independent, system.scales(), massless);
+  const Independent positions(out.derivatives.jacobian, scales, rolls, out.independent);
+  out.reduced = reduce(out.derivatives, rates, positions, independent, scales, massless);
   if (massless >= 0) refuse_massless(m, massless);
   out.independent = positions.coordinates();
   out.moving = independent.coordinates();
@@ -379,6 +392,7 @@ Linearised locate(std::shared_ptr<const Model> model, const LinearOptions& optio
   Linearised out;
   out.model = without_delays(model, options.delay_order, out.names.notes);
   const Compiled& m = out.model->compiled();
+  refuse_elastodynamic_bodies(m);
   relative::RelativeSystem system(m);
   PointState point;
   if (options.point.at == LinearPoint::At::time) {

@@ -8,6 +8,7 @@
 
 #include "base/random_numbers.h"
 #include "linalg/constrained_solver.h"
+#include "linalg/once/sparse_qr.h"
 #include "math/once/decompositions.h"
 #include "math/once/general_eigen.h"
 
@@ -40,6 +41,7 @@ constexpr double round_off = 1e-12;
 /// Copies of equal eigenvalues are found three at a time.
 constexpr int most_passes = 40;
 constexpr double symmetric = 1e-10;
+constexpr double repeated = 1e-9;  ///< of equations of length one, what they add to others
 
 bool is_symmetric(const SparseMatrix& A) {
   const SparseMatrix other = A.transpose();
@@ -254,6 +256,12 @@ SparseMatrix symmetric_along_motions(const SparseMatrix& A, ConstrainedSolver& p
   return sum;
 }
 
+/// Motions of n coordinates that the equations leave; an upper bound where `count` is less.
+Index motions_with(const SparseMatrix& J, Index n, int count) {
+  if (J.rows() == 0 || count < n - J.rows()) return n;
+  return n - SparseQr(SparseMatrix(J.transpose()), repeated).rank();
+}
+
 struct Ritz {
   std::complex<double> value;  ///< λ/σ
   Index column = 0;
@@ -269,8 +277,9 @@ struct RitzPairs {
   int sufficient = 0;  ///< so many of the list make `count` modes; 0: they have not converged
 };
 
-/// Grows the basis until `count` modes have converged, or all that there are.
-bool iterate(Basis& basis, int count, int first_check, int most, RitzPairs& out) {
+/// Grows the basis until `count` modes have converged, or all `eigenvalues` of the motions. What comes behind
+/// these has no inertia: round-off splits its θ = 0.
+bool iterate(Basis& basis, int count, Index eigenvalues, int first_check, int most, RitzPairs& out) {
   for (int check = std::min(most, first_check);; check = std::min(most, check + check / 4 + block)) {
     while (basis.size() < check && basis.size() + block <= most)
       if (!basis.grow()) return false;
@@ -291,6 +300,7 @@ bool iterate(Basis& basis, int count, int first_check, int most, RitzPairs& out)
     out.sufficient = 0;
     bool all = true;
     for (const Ritz& r : out.list) {
+      if (out.sufficient == eigenvalues) return true;
       all = all && r.has_converged();
       if (!all) break;
       ++out.sufficient;
@@ -471,7 +481,7 @@ double last_of(const Found& found, int count) {
 
 /// A block finds three copies of an eigenvalue; further ones are found by other blocks, at right angles to
 /// what was found, until the count of the motions agrees (where it is known: `counter`) or a pass adds none.
-bool find_all(Operator& op, double sigma, int count, ModeCounter* counter, Found& out) {
+bool find_all(Operator& op, double sigma, int count, Index eigenvalues, ModeCounter* counter, Found& out) {
   const Index n = op.size() / 2;
   MatrixXd invariant(op.size(), 0);
   int before = -1;
@@ -480,7 +490,8 @@ bool find_all(Operator& op, double sigma, int count, ModeCounter* counter, Found
     const int room = static_cast<int>(std::min<Index>(12 * count + 120, op.size())) / block * block;
     out.basis.emplace(op, kept + std::max(block, room));
     if (!out.basis->start(invariant, pass) ||
-        !iterate(*out.basis, count, kept + 2 * count + 3 * block, kept + std::max(block, room), out.pairs))
+        !iterate(*out.basis, count, eigenvalues, kept + 2 * count + 3 * block, kept + std::max(block, room),
+                 out.pairs))
       return false;
     out.slow = slow_motions(*out.basis, out.pairs, n);
     const double inside = (1 - 1e-6) * last_of(out, count);
@@ -554,7 +565,15 @@ ConstrainedModes lowest_modes(const ConstrainedPencil& given, int count) {
   if (!op.ok()) return {};
   const bool symmetric_pencil = is_symmetric(p.M) && is_symmetric(p.C) && is_symmetric(p.K);
   Found found;
-  if (!find_all(op, sigma, count, symmetric_pencil ? &counter : nullptr, found)) return {};
+  const Index eigenvalues = 2 * motions_with(p.J, n, count);
+  if (eigenvalues == 0) {
+    ConstrainedModes none;
+    none.vectors.resize(n, 0);
+    none.rigid.resize(n, 0);
+    none.ok = true;
+    return none;
+  }
+  if (!find_all(op, sigma, count, eigenvalues, symmetric_pencil ? &counter : nullptr, found)) return {};
   ConstrainedModes modes = first_modes(p, found, sigma, count, symmetric_pencil);
   modes.symmetric = symmetric_pencil;
   return modes;

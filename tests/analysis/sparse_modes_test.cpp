@@ -73,6 +73,36 @@ void expect_same(const std::string& text, int most, double tolerance) {
   }
 }
 
+/// Asked for more modes than there are motions they are those of the motions, though equations bring
+/// directions without inertia.
+TEST(SparseModes, AreNoMoreThanTheMotions) {
+  const std::string held = R"(
+gravity: [0, 0, -9.81]
+bodies:
+  a: {mass: 0.9, com: [-0.6, 0.4, -0.4], inertia: [0.02, 0.04, 0.03]}
+  b: {mass: 0.5, com: [-0.5, 0.8, -0.3], inertia: [0.01, 0.009, 0.006]}
+joints:
+  floor: {type: planar, between: [ground, a], at: [-0.4, 0.5, -0.3], axis: [0.64, -0.6, 0.48]}
+  slide: {type: prismatic, between: [a, b], at: [-0.4, 0.7, -0.5], axis: [-0.2, 0.95, 0.2],
+          spring: {stiffness: 200, damping: 4}}
+constraints:
+  close: {type: perpendicular, between: [ground, b], axis: [0.4, -0.9, -0.07], axis2: [0.52, 0.17, 0.84]}
+bushings:
+  on_a: {between: [ground, a], at: [-0.6, 0.4, -0.4], stiffness: [480, 740, 800, 27, 29, 10],
+         damping: [1, 1, 1, 0.05, 0.05, 0.05]}
+  on_b: {between: [ground, b], at: [-0.5, 0.8, -0.3], stiffness: [620, 690, 420, 24, 12, 22],
+         damping: [1, 1, 1, 0.05, 0.05, 0.05]}
+)";
+  const LinearisedModes dense = modes_of(held, ModesSolver::dense, 0);
+  for (const int most : {2, 3, 5, 12, 100}) {
+    const LinearisedModes sparse = modes_of(held, ModesSolver::sparse, most);
+    ASSERT_EQ(sparse.modes.size(), std::min<std::size_t>(static_cast<std::size_t>(most), dense.modes.size()));
+    for (std::size_t k = 0; k < sparse.modes.size(); ++k)
+      EXPECT_NEAR(std::abs(sparse.modes[k].value - dense.modes[k].value), 0,
+                  1e-8 * std::abs(dense.modes[k].value));
+  }
+}
+
 TEST(SparseModes, AreThoseOfTheDenseSolver) {
   expect_same(row(67, 0), 20, 1e-8);  // 402 coordinates
   expect_same(row(67, 1), 20, 1e-8);

@@ -199,7 +199,8 @@ outputs:
 
 /// A load across the plane of a four-bar that comes later than the table has been made.
 TEST(GlobalModes, LoadsThatComeLaterBendAlike) {
-  const auto model = model_of(R"yaml(
+  const auto model =
+      model_of(R"yaml(
 gravity: [0, 0, -9.81]
 materials:
   steel: {young: 2.1e11, poisson: 0.3, density: 7850}
@@ -233,6 +234,20 @@ outputs:
                             found = history(model, Formalism::global_modes, 5e-4, "y", 0.4, 0.01);
   EXPECT_GT(range(exact), 1e-4);
   EXPECT_LT(difference(found, exact), 0.02 * range(exact));
+}
+
+/// What bends a body far opens the loop, since its modes are those about the rigid mechanism.
+TEST(GlobalModes, WarnOfLoopsThatTheyLeaveOpen) {
+  const auto said = [](const char* speed) {
+    Simulation s = simulation(example("slider-crank/slider-crank.yaml", {{"speed", speed}}),
+                              Formalism::global_modes, 2e-4);
+    run_to(s, 0.1);
+    std::string all;
+    for (const std::string& text : s.warnings()) all += text + '\n';
+    return all;
+  };
+  EXPECT_THAT(said("20"), testing::Not(HasSubstr("loops are open")));
+  EXPECT_THAT(said("100"), HasSubstr("loops are open by up to"));
 }
 
 /// What the validity monitor sees of joint forces.

@@ -6,7 +6,9 @@
 #include <numbers>
 
 #include "analysis/rigid_response.h"
+#include "mimbre/diagnostics.h"
 #include "mimbre/simulation.h"
+#include "mimbre/statics.h"
 #include "support/models.h"
 
 /// Linear elastodynamics: the mechanism moves as if the body were rigid, and bends it.
@@ -50,6 +52,46 @@ TEST(Elastodynamics, BendsAsTheForcesOfTheRigidMechanismSay) {
     }
     before = error;
   }
+}
+
+/// A cantilever with a force at its tip, beside so many pendulums that large mechanisms are searched
+/// otherwise.
+TEST(Elastodynamics, RestsAlikeInSmallAndLargeMechanisms) {
+  const auto beam = [](int pendulums) {
+    return model_of(R"(
+materials: {steel: {young: 2.1e11, poisson: 0.3, density: 7850}}
+sections: {round: {type: round, diameter: 0.02}}
+bodies:
+  bar:
+    frame: {at: [0, 0, 0]}
+    flexibility: elastodynamics
+    flexible:
+      material: steel
+      section: round
+      nodes: {hinge: [0, 0, 0], tip: [1, 0, 0]}
+      bars: {bar: {from: hinge, to: tip, elements: 6}}
+      planar: [0, 1, 0]
+      clamped: [hinge]
+      static_modes: [{node: tip, along: [0, 0, 1]}]
+      dynamic_modes: 2
+  link$i: {for: {i: {from: 1, to: )" +
+                    std::to_string(pendulums) +
+                    R"(}}, mass: 0.1, com: [0, $i, 0], inertia: [1e-3, 1e-3, 1e-3]}
+joints:
+  h$i: {for: {i: {from: 1, to: )" +
+                    std::to_string(pendulums) +
+                    R"(}}, type: revolute, between: [ground, link$i], at: [0, $i, 0.1], axis: [0, 1, 0]}
+  hinge: {type: revolute, between: [ground, bar], at: [0, 0, 0], axis: [0, 1, 0], spring: {stiffness: 1000}}
+loads: {p: {on: bar.tip, force: [0, 0, -50]}}
+outputs: [{name: bent, deflection: bar.tip, along: [0, 0, 1]}]
+)");
+  };
+  const double few = static_equilibrium(beam(3)).values[0];
+  EXPECT_LT(few, -0.01);  // 50 N bend the bar by 10.1 mm
+  EXPECT_NEAR(static_equilibrium(beam(200)).values[0], few, 1e-9);
+  RunOptions natural;
+  natural.formulation = spec::Simulation::Formulation::natural;
+  EXPECT_THROW(static_equilibrium(beam(3), natural), InputError);
 }
 
 /// The rigid mechanism and the one with the body that only bends, all the way.

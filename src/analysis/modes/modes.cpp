@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "analysis/linear_turning.h"
+#include "analysis/modal_scales.h"
 #include "analysis/modes/blades.h"
 #include "analysis/modes/body_shapes.h"
 #include "analysis/modes/floquet.h"
@@ -344,11 +345,12 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
   out.model.stiffness = at.reduced.stiffness;
   for (int k = 0; k < m.velocities; ++k) out.coordinates.push_back(linear::coordinate_label(m, k));
   const relative::RelativeSystem system(m);
-  const VectorXd scale = state_scales(at.reduced, system.scales().coordinates, at.independent, at.moving);
+  const Scales scales = linear::modal_scales(m, system.scales());
+  const VectorXd scale = state_scales(at.reduced, scales.coordinates, at.independent, at.moving);
   std::string why;
   const std::optional<linear::Transition> transition =
       varies(at) ? linear::find_transition(m, system, at, scale, why) : std::nullopt;
-  out.modes = transition ? floquet_modes(at, scale, *transition) : eigen_modes(at, system.scales(), scale);
+  out.modes = transition ? floquet_modes(at, scale, *transition) : eigen_modes(at, scales, scale);
   if (transition) {
     out.period = transition->period;
     std::erase_if(out.model.warnings, [](const std::string& w) { return w.starts_with(linear::varying); });
@@ -364,7 +366,7 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
   std::vector<char> mixed;
   for (const std::size_t k : linear::separate_waves(linear::joined(shares.blades()),
                                                     at.reduced.position.leftCols(at.reduced.A.cols()),
-                                                    system.scales().coordinates, out.modes, mixed))
+                                                    scales.coordinates, out.modes, mixed))
     set_vectors(out.modes[k], VectorXcd(out.modes[k].shape.cwiseQuotient(scale.cast<std::complex<double>>())),
                 VectorXcd(out.modes[k].left.cwiseProduct(scale.cast<std::complex<double>>())),
                 at.reduced.coordinates, scale);

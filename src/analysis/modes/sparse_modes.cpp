@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "analysis/modal_scales.h"
 #include "analysis/modes/mode_shapes.h"
 #include "analysis/modes/mode_shares.h"
 #include "analysis/modes/sparse_core.h"
@@ -96,7 +97,8 @@ LinearisedModes described(const Linearised& located, const State& relative, cons
   at.model = located.model;
   at.state = relative;
   ModeShares shares(at);
-  const VectorXd scale = Eigen::Map<const VectorXd>(observer.scales().coordinates.data(), m.velocities);
+  const Scales scales = modal_scales(m, observer.scales());
+  const VectorXd scale = Eigen::Map<const VectorXd>(scales.coordinates.data(), m.velocities);
   /// `x`: the motion along the scales, with its left vector; `stiffness`: that of it.
   const auto add = [&](Mode mode, const VectorXcd& x, const VectorXcd& left, double stiffness, bool mixed) {
     const VectorXcd natural = equations.scale.cast<std::complex<double>>().cwiseProduct(x);

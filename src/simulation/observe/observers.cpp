@@ -14,6 +14,8 @@ Observers::Observers(const Mechanism& mechanism, const Method& method, bool redu
   // Its limits are those of rules of second order.
   if (method.warnings && !is_runge_kutta(method.integrator)) spins_ = std::make_unique<SpinWatch>(model_);
   if (spins_ && spins_->none()) spins_.reset();
+  if (method.warnings && method.formalism == spec::Simulation::Formalism::global_modes)
+    loops_ = std::make_unique<LoopWatch>();
   validity_ = std::make_unique<ValidityMonitor>(model_);
   if (validity_->empty()) validity_.reset();
   if (validity_ && validity_->watches_loads())
@@ -26,6 +28,7 @@ void Observers::start(const Mechanism& mechanism, const EnergyMeter& meter) {
   turns_.start();
   roads_.start();
   if (spins_) spins_->start();
+  if (loops_) loops_->start();
   if (!validity_) return;
   validity_->start(mechanism.view(), mechanism.state);
   validity_->watch(mechanism.view());
@@ -38,6 +41,7 @@ void Observers::watch(Mechanism& mechanism, const EnergyMeter& meter, double len
   turns_.watch(mechanism.observer.workspace(), mechanism.state.time);
   roads_.watch(mechanism.observer.workspace(), mechanism.state.time);
   if (spins_) spins_->watch(mechanism, length);
+  if (loops_) loops_->watch(mechanism.observer, mechanism.state.time);
   if (validity_) validity_->watch(mechanism.view());
   if (loads_) loads_->watch(mechanism, *validity_);
 }
@@ -48,6 +52,7 @@ void Observers::transfer(StateTransfer& transfer) {
   turns_.transfer(transfer);
   roads_.transfer(transfer);
   if (spins_) spins_->transfer(transfer);
+  if (loops_) loops_->transfer(transfer);
   if (validity_) validity_->transfer(transfer);
   if (loads_) loads_->transfer(transfer);
 }
@@ -66,6 +71,10 @@ std::vector<std::string> Observers::validity_warnings() {
 
 std::vector<std::string> Observers::spin_warnings() const {
   return spins_ ? spins_->warnings(model_) : std::vector<std::string>();
+}
+
+std::vector<std::string> Observers::loop_warnings() const {
+  return loops_ ? loops_->warnings() : std::vector<std::string>();
 }
 
 std::string Observers::energy_warning(const StepMaker& steps) const {

@@ -8,6 +8,7 @@
 #include "simulation/step/step_maker.h"
 #include "simulation/watch/energy_monitor.h"
 #include "simulation/watch/load_watch.h"
+#include "simulation/watch/loop_watch.h"
 #include "simulation/watch/road_watch.h"
 #include "simulation/watch/spin_watch.h"
 #include "simulation/watch/turn_watch.h"
@@ -40,6 +41,8 @@ class Observers {
   std::vector<std::string> turn_warnings() const { return turns_.warnings(); }
   /// Of bodies that turn too far in a step.
   std::vector<std::string> spin_warnings() const;
+  /// Of loops that the formalism does not close.
+  std::vector<std::string> loop_warnings() const;
   /// Empty when there is none.
   std::string energy_warning(const StepMaker& steps) const;
   /// The first reactions that were not resolved, of those that were watched.
@@ -53,6 +56,7 @@ class Observers {
   TurnWatch turns_;
   RoadWatch roads_;
   std::unique_ptr<SpinWatch> spins_;
+  std::unique_ptr<LoopWatch> loops_;
   std::unique_ptr<ValidityMonitor> validity_;
   std::unique_ptr<LoadWatch> loads_;
 };

@@ -98,7 +98,11 @@ StaticsStatus find_dense(natural::NaturalSystem* natural, relative::RelativeSyst
 /// nothing (soon, where they are slow).
 StaticsStatus find_from_here(natural::NaturalSystem* natural, relative::RelativeSystem& observer, State& s) {
   const State start = s;
+  const Compiled& m = observer.model();
   const int size = natural ? natural->velocities() : observer.velocities();
+  // Natural coordinates, in which the sparse search works, have no bodies that bend by elastodynamics.
+  if (std::any_of(m.bodies.begin(), m.bodies.end(), [](const BodyData& b) { return b.elastodynamic; }))
+    return find_dense(natural, observer, s, many_steps);
   StaticsStatus dense;
   if (size <= most_dense_unknowns) {
     dense = find_dense(natural, observer, s, size <= few_unknowns ? many_steps : few_steps);

@@ -557,6 +557,7 @@ std::vector<std::string> Simulation::warnings() const {
   std::vector<std::string> all = s.begin.warnings;
   for (const std::string& text : s.observers.validity_warnings()) all.push_back(text);
   for (const std::string& text : s.observers.spin_warnings()) all.push_back(text);
+  for (const std::string& text : s.observers.loop_warnings()) all.push_back(text);
   const auto unresolved = s.reactions.unresolved() ? s.reactions.unresolved() : s.observers.unresolved();
   if (unresolved) all.push_back(explain_unresolved(s.compiled, *unresolved));
   // At rest there is nothing at play but round-off.
