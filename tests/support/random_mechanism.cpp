@@ -6,7 +6,7 @@
 
 #include "fe/meshes.h"
 #include "joints/table.h"
-#include "reduction/stiffening/stretching.h"
+#include "reduction/stiffening/beside_rotation.h"
 #include "spec/check/checked_item.h"
 #include "spec/nearest_place.h"
 

@@ -1,4 +1,5 @@
 #include "fe/solve/block_lanczos.h"
+#include "fe/solve/fix_signs.h"
 #include "math/once/decompositions.h"
 
 #include <fmt/format.h>

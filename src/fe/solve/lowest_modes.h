@@ -17,8 +17,4 @@ struct Modes {
 Modes lowest_modes(const Eigen::SparseMatrix<double>& M, int count, double shift,
                    const SymmetricSolver& factor);
 
-/// Turns every column so that its entry of largest magnitude is positive; of entries that are equal up to
-/// round-off, as in symmetric shapes, the first decides.
-void fix_signs(Eigen::MatrixXd& columns);
-
 }  // namespace mimbre::fe

@@ -3,10 +3,10 @@
 #include <Eigen/Core>
 #include <stdexcept>
 
-#include "fe/solve/lowest_modes.h"
+#include "fe/solve/fix_signs.h"
 #include "math/once/decompositions.h"
 #include "mimbre/reduced_body.h"
-#include "reduction/stiffening/stretching.h"
+#include "reduction/stiffening/beside_rotation.h"
 
 namespace mimbre {
 namespace {

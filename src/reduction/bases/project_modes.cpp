@@ -1,6 +1,6 @@
 #include "reduction/bases/project_modes.h"
 #include "math/once/decompositions.h"
-#include "reduction/stiffening/stretching.h"
+#include "reduction/stiffening/beside_rotation.h"
 
 #include <fmt/format.h>
 

@@ -12,9 +12,6 @@
 
 namespace mimbre {
 
-/// T for the amplitudes, and the three rotations of Stretching's forms as they are.
-Eigen::MatrixXd beside_rotation(const Eigen::MatrixXd& T);
-
 namespace fe {
 
 /// Nodes that move with a point as one rigid body: to the second order, too.
