@@ -64,7 +64,7 @@ demo: configure ## Run a vehicle over stairs and make report.html, with plots an
 	@echo "  docs/tutorial.md    a model of your own: $(PROGRAM) run MODEL.yaml -o RUN.h5, then $(PROGRAM) report RUN.h5"
 	@echo "  docs/gallery.md     robots, rotors, mechanisms, contact: pictures and the commands that make them"
 
-page: packages ## Build `mimbre page`: the solver as WebAssembly (installs emscripten), and the program with it
+page: packages ## Build `mimbre page`: the solver as WebAssembly (installs emscripten and a compiler), and the program with it
 	@scripts/install-packages emscripten
 	@JOBS=$(JOBS) scripts/wasm
 	@$(MAKE) --no-print-directory configure
