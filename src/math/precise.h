@@ -52,11 +52,20 @@ inline Precise precise_root(const Precise& a) {
   return {r, r > 0 ? (__builtin_fma(-r, r, a.head) + a.tail) / (2 * r) : 0};
 }
 
-/// c₀ + c₁ x + … by Horner's rule, each step rounded once.
+/// Whether the processor multiplies and adds in one instruction. WebAssembly does not, and the exact product
+/// that takes its place there (cmake/wasm/missing.h) is twenty operations.
+#ifdef __wasm__
+constexpr bool fused_instruction = false;
+#else
+constexpr bool fused_instruction = true;
+#endif
+
+/// c₀ + c₁ x + … by Horner's rule, each step rounded once; without the fused instruction twice. For small
+/// corrections, whose last bits do not reach the result.
 template <int n>
 double polynomial(const double (&c)[n], double x) {
   double sum = c[n - 1];
-  for (int k = n - 2; k >= 0; --k) sum = __builtin_fma(sum, x, c[k]);
+  for (int k = n - 2; k >= 0; --k) sum = fused_instruction ? __builtin_fma(sum, x, c[k]) : sum * x + c[k];
   return sum;
 }
 
