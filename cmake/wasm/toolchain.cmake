@@ -10,6 +10,6 @@ get_filename_component(compiler_folder ${MIMBRE_COMPILER} DIRECTORY)
 # As emcc: the ABI of its libraries, and the headers of the compiler behind them.
 set(CMAKE_CXX_FLAGS_INIT "--sysroot=${MIMBRE_SYSROOT} -Xclang -iwithsysroot/include/compat -idirafter${compiler_folder}/lib/include -D_LIBCPP_ABI_VERSION=2 -D__EMSCRIPTEN_major__=3 -D__EMSCRIPTEN_minor__=1 -D__EMSCRIPTEN_tiny__=6 -fno-threadsafe-statics -fvisibility=default")
 set(libraries ${MIMBRE_SYSROOT}/lib/wasm32-emscripten)
-# Functions are called before any other by _initialize. A symbol that is nowhere is an error, but for one that the page
-# provides (web/src/pageSolver.ts).
+# _initialize runs the constructors. A symbol that no library has is an error, except for the one that the page provides
+# (web/src/pageSolver.ts).
 set(CMAKE_CXX_LINK_EXECUTABLE "${MIMBRE_COMPILER} wasm-ld -o <TARGET> ${libraries}/crt1_reactor.o <OBJECTS> -L${libraries} -lstandalonewasm-memgrow -lstubs -lnoexit -lc -ldlmalloc -lcompiler_rt -lc++-except -lc++abi-except -lunwind-except --entry=_initialize --allow-undefined-file=${CMAKE_CURRENT_LIST_DIR}/imports.txt <LINK_FLAGS>")
