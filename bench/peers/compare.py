@@ -31,8 +31,12 @@ CASES = {f"chain-{n}": lambda program, n=n: chains.case(program, n) for n in (10
 CASES |= {"four-bar": lambda program: ladders.case(program, 2)}
 CASES |= {f"ladder-{n}": lambda program, n=n: ladders.case(program, n) for n in (10, 100, 1000)}
 CASES |= {
-    "vehicle": lambda program: vehicles.case(program, 0.1),
-    "vehicle-hard": lambda program: vehicles.case(program, 0.2),
+    "vehicle": lambda program: vehicles.case(program, 0.1, False),
+    "vehicle-hard": lambda program: vehicles.case(program, 0.2, False),
+    "vehicle-flexible": lambda program: vehicles.case(program, 0.1, True),
+    "vehicle-flexible-hard": lambda program: vehicles.case(program, 0.2, True),
+    "suspension": lambda program: vehicles.suspension(program, False),
+    "suspension-flexible": lambda program: vehicles.suspension(program, True),
 }
 CASES |= {"beam": beams.case, "ur5": robots.case}
 

@@ -49,7 +49,10 @@ def explicit(mbs: exu.MainSystem, chosen: exu.SimulationSettings, rule: str) -> 
 def steps_of(solver: object, mbs: exu.MainSystem, chosen: exu.SimulationSettings) -> float:
     solver.InitializeSolver(mbs, chosen)
     begin = time.process_time()
-    done = solver.SolveSteps(mbs, chosen)
+    try:
+        done = solver.SolveSteps(mbs, chosen)
+    except MemoryError:  # where a step has diverged
+        done = False
     seconds = time.process_time() - begin
     solver.FinalizeSolver(mbs, chosen)
     if not done:

@@ -29,7 +29,8 @@ def case(program: Program) -> Case:
 
     runners = [own("", STEPS), own("--integrator rk4", STEPS), own("--integrator dopri853", (0.2, 0.1, 0.05, 0.025))]
     runners += [own(f"--integrator dopri853 --accuracy {accuracy}", (0.1,)) for accuracy in ("1e-6", "1e-8", "1e-10")]
-    runners += optional([lambda peer=peer: peer(urdf, speeds) for peer in (in_mujoco, in_pinocchio, in_drake)])
+    peers = (in_exudyn, in_mujoco, in_pinocchio, in_drake)
+    runners += optional([lambda peer=peer: peer(urdf, speeds) for peer in peers])
     return Case("robot arm UR5", f"joint angles after {END:g} s", "rad", exact, runners)
 
 
@@ -71,6 +72,19 @@ def write_model(program: Program, urdf: str, speeds: dict[str, float]) -> None:
         if section not in ("stops", "frictions"):
             lines.append(line)
     (program.folder / "robot.yaml").write_text("\n".join(lines) + "\n")
+
+
+def in_exudyn(urdf: str, speeds: list[float]) -> list[Runner]:
+    import exudyn_solver
+    import robot_in_exudyn
+
+    def runner(rule: str, said: str, **options: float) -> Runner:
+        both = end_only(lambda step: robot_in_exudyn.run(urdf, speeds, rule, END, step, **options))
+        return Runner("Exudyn", exudyn_solver.VERSION, f"kinematic tree, {said}", STEPS, **both, finest=min(STEPS) / 8)
+
+    said = "generalised-alpha 0.9, modified Newton, tolerance 1e-05, dense"
+    runners = [runner(rule, f"{rule}, dense") for rule in ("RK44", "RK67")]
+    return [*runners, runner("generalised-alpha", said, rho=0.9, tolerance=1e-5)]
 
 
 def in_mujoco(urdf: str, speeds: list[float]) -> list[Runner]:
