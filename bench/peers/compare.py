@@ -22,6 +22,7 @@ import beams  # noqa: E402
 import chains  # noqa: E402
 import ladders  # noqa: E402
 import robots  # noqa: E402
+import solids  # noqa: E402
 import vehicles  # noqa: E402
 from measure import measured  # noqa: E402
 from program import Program  # noqa: E402
@@ -39,6 +40,10 @@ CASES |= {
     "suspension-flexible": lambda program: vehicles.suspension(program, True),
 }
 CASES |= {"beam": beams.case, "ur5": robots.case}
+CASES |= {
+    "solid": lambda program: solids.case(program, None),
+    "solid-fine": lambda program: solids.case(program, 8.0),
+}
 
 
 def main() -> None:

@@ -18,7 +18,7 @@ def measured(case: Case, rounds: int) -> list[dict]:
             outputs = runner.outputs(step)
             row["error"] = difference(outputs, case.reference)
             reference = case.reference if runner.finest is None else own[id(runner)]
-            row["error_own"] = None if reference is None else difference(outputs, reference)
+            row["error_own"] = None if reference is None or step is None else difference(outputs, reference)
         except RuntimeError as error:
             print(f"{case.name}, {runner.code}, {runner.settings}, {step}: {error}", flush=True)
         rows.append(row)

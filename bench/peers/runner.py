@@ -11,11 +11,11 @@ class Runner:
     code: str
     version: str
     settings: str
-    steps: tuple[float, ...]
+    steps: tuple[float | None, ...]  # None: a task without steps
     # Outputs of a run at this step: a row an instant, a column a component.
-    outputs: Callable[[float], np.ndarray]
-    # CPU time of the stepping loop of one run at this step, s.
-    seconds: Callable[[float], float]
+    outputs: Callable[[float | None], np.ndarray]
+    # CPU time of the stepping loop of one run at this step, or of the whole task, s.
+    seconds: Callable[[float | None], float]
     # Step of its own converged run; None: the case's reference is its own.
     finest: float | None = None
 
