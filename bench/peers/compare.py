@@ -20,6 +20,7 @@ sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))  # chain.py
 
 import beams  # noqa: E402
 import chains  # noqa: E402
+import humanoids  # noqa: E402
 import ladders  # noqa: E402
 import robots  # noqa: E402
 import solids  # noqa: E402
@@ -41,6 +42,7 @@ CASES |= {
 }
 CASES |= {"beam": beams.case, "ur5": robots.case}
 CASES |= {
+    "humanoid": humanoids.case,
     "solid": lambda program: solids.case(program, None),
     "solid-fine": lambda program: solids.case(program, 8.0),
 }
