@@ -29,7 +29,7 @@ from measure import measured  # noqa: E402
 from program import Program  # noqa: E402
 from table import table  # noqa: E402
 
-CASES = {f"chain-{n}": lambda program, n=n: chains.case(program, n) for n in (10, 100, 1000)}
+CASES = {f"chain-{n}": lambda program, n=n: chains.case(program, n) for n in (10, 100, 1000, 10000)}
 CASES |= {"four-bar": lambda program: ladders.case(program, 2)}
 CASES |= {f"ladder-{n}": lambda program, n=n: ladders.case(program, n) for n in (10, 100, 1000)}
 CASES |= {

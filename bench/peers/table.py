@@ -9,7 +9,8 @@ def table(rows: list[dict]) -> str:
         mine = [row for row in rows if row["case"] == case]
         lines += ["", f"### {case[0].upper()}{case[1:]}", "", *one_case(mine)]
         if any(row["step"] is not None for row in mine):
-            lines += ["", *equal_error(mine)]
+            lines += ["", *equal_error(mine, "error")]
+            lines += ["", *equal_error(mine, "error_own")]
     return "\n".join(lines[1:]) + "\n"
 
 
@@ -30,16 +31,17 @@ def number(value: float | None) -> str:
     return "" if value is None else f"{value:.1e}"
 
 
-def equal_error(rows: list[dict]) -> list[str]:
-    """CPU time of each code's best runs at equal errors, interpolated along its lower envelope."""
-    curves = {code: envelope([row for row in rows if row["code"] == code]) for code in codes(rows)}
+def equal_error(rows: list[dict], which: str) -> list[str]:
+    """CPU time of each code's best runs at equal errors or own errors, interpolated along its lower envelope."""
+    curves = {code: envelope([row for row in rows if row["code"] == code], which) for code in codes(rows)}
     reached = [error for curve in curves.values() for error, _ in curve]
     if not reached:
         return []
     targets = [
         10.0**k for k in range(math.floor(math.log10(max(reached))), math.floor(math.log10(min(reached))) - 1, -1)
     ]
-    lines = [f"| CPU, ms, at an error of | {' | '.join(f'{target:.0e}' for target in targets)} |"]
+    name = "an error" if which == "error" else "an own error"
+    lines = [f"| CPU, ms, at {name} of | {' | '.join(f'{target:.0e}' for target in targets)} |"]
     lines.append(f"| --- |{' ---: |' * len(targets)}")
     for code, curve in curves.items():
         lines.append(f"| {code} | {' | '.join(milliseconds_at(curve, target) for target in targets)} |")
@@ -50,10 +52,10 @@ def codes(rows: list[dict]) -> list[str]:
     return list(dict.fromkeys(row["code"] for row in rows))
 
 
-def envelope(rows: list[dict]) -> list[tuple[float, float]]:
+def envelope(rows: list[dict], which: str) -> list[tuple[float, float]]:
     """Errors, falling, with CPU times: the runs that no other run beats in both."""
     curve: list[tuple[float, float]] = []
-    points = [(row["cpu_seconds"], row["error"]) for row in rows if row["cpu_seconds"] and row["error"]]
+    points = [(row["cpu_seconds"], row[which]) for row in rows if row["cpu_seconds"] and row[which]]
     for seconds, error in sorted(points):
         if not curve or error < curve[-1][0]:
             curve.append((error, seconds))
