@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 from chain import CENTRE, INERTIA, MASS, axis, speed
 
+mujoco.set_mju_user_warning(lambda message: None)  # of unstable runs, whose errors show it; else it writes a file
 VERSION = mujoco.__version__
 INTEGRATORS = {
     "RK4": mujoco.mjtIntegrator.mjINT_RK4,

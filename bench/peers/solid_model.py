@@ -1,6 +1,5 @@
 """The A-arm of examples/solid-arm: its mesh, and its matrices by elements of scikit-fem."""
 
-import contextlib
 import pathlib
 from dataclasses import dataclass
 
@@ -33,11 +32,12 @@ def mesh(folder: pathlib.Path, size: float | None) -> pathlib.Path:
     """The mesh that lies beside the part, or a finer one of this size of elements, mm, by Gmsh."""
     if size is None:
         return PART / "arm.msh"
-    import gmsh
-
+    try:
+        import gmsh
+    except OSError as missing:  # a library of the system's
+        raise ImportError(f"gmsh: {missing}") from missing
     file = folder / f"arm-{size:g}.msh"
-    with contextlib.suppress(ValueError):  # where another thread owns the signals
-        gmsh.initialize()
+    gmsh.initialize(interruptible=False)
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.open(str(PART / "arm.geo"))
     gmsh.option.setNumber("Mesh.MeshSizeMax", size)
