@@ -46,12 +46,21 @@ struct DrivingState {
   double speed = 0, yaw_rate = 0;                         ///< m/s; rad/s, to the left
 };
 
+/// Numbers of the velocity coordinates that are independent of each other at a point, of positions and of
+/// velocities (with rolling fewer).
+struct IndependentCoordinates {
+  std::vector<int> positions, velocities;
+};
+
 struct LinearOptions {
   LinearPoint point;
   TrimConditions trim;  ///< of the point `trim`
   /// Steady driving of a model with the same coordinates, under conditions that differ a little: the search
   /// begins there, and at the start of the model only where that leads nowhere.
   std::shared_ptr<const DrivingState> trim_near;
+  /// The independent coordinates to use where the others follow from them, such as those of another point;
+  /// none, or where they do not: those that are best at the point.
+  IndependentCoordinates independent;
   /// Inputs; and of a run to a time its method. The linear model is always that of relative coordinates with
   /// inertia by shape integrals.
   RunOptions run;
@@ -99,6 +108,7 @@ struct LinearModel {
   /// looked for (0) where the point is at rest or not steady.
   double varies = 0;
   std::shared_ptr<const DrivingState> driving;  ///< of the point `trim`; else none
+  IndependentCoordinates independent;           ///< y and s, by number of the velocity coordinate
   std::vector<std::string> notes;     ///< what was done with delays, sampled blocks, laws of the user
   std::vector<std::string> warnings;  ///< no equilibrium, coefficients that vary, …
 };

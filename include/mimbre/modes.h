@@ -85,6 +85,9 @@ struct LinearisedModes {
   /// vary otherwise. λ are then Floquet's exponents, whose imaginary parts are known but for multiples of
   /// 2π/T: those given are the ones that the motion has on average. Shapes are those at the point.
   double period = 0;
+  /// How many eigenvalues are zero: rigid motions, and drifts along them (a free body has six of each), which
+  /// are no modes of their own. −1: not counted, as by the sparse solver.
+  int zeros = -1;
   double turning = 0;  ///< Ω, rad/s, where the whole mechanism turns about one fixed axis (Mode::fixed); or 0
   std::optional<MechanismShapes> shapes;  ///< the modes by body (ModesOptions::shapes)
   double cpu_seconds = 0;

@@ -33,7 +33,7 @@ from .ensemble import samples, sweep
 from .equilibria import Buckling, BucklingMode, EquilibriumPath, PathBranch, SpecialEquilibrium
 from .errors import Diagnostic, InputError, Interrupted, SimulationError, SweepInterrupted, UnknownName
 from .laws import law_signature
-from .linear import CampbellDiagram, CriticalSpeed, EigenMode, LinearModel, ModeBranch, Modes, Onset, Trim
+from .linear import CampbellDiagram, CriticalSpeed, EigenMode, LinearModel, Meeting, ModeBranch, Modes, Onset, Trim
 from .model import Model
 from .motion import InverseDynamics, Kinematics, SpecialPosition
 from .reduction import Check, Interface, ReducedBody, reduce
@@ -64,6 +64,7 @@ __all__ = [
     "InverseDynamics",
     "Kinematics",
     "LinearModel",
+    "Meeting",
     "Mode",
     "ModeBranch",
     "Model",

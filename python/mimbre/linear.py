@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
+Integers = npt.NDArray[np.int64]
 
 _words = ("equilibrium", "steady", "start")
 _conditions = ("speed", "lateral_acceleration", "yaw_rate", "radius")
@@ -256,6 +257,8 @@ class ModeBranch:
     """λ by value of the parameter, 1/s (from the ground, `EigenMode.from_ground`); not a number where it is not."""
     whirl: Floats
     """1: forward, −1: backward, 0: neither."""
+    half_of: Integers
+    """Number of the branch with the other half of the pair, of which this one has the conjugate; −1: it has none."""
 
 
 @dataclass(frozen=True)
@@ -286,6 +289,22 @@ class Onset:
     """Whether it grows from there on."""
 
 
+@dataclass(frozen=True)
+class Meeting:
+    """Where two real modes become one oscillating pair, or a pair becomes two real modes."""
+
+    first: int
+    """Number of the branch that has the pair."""
+    second: int
+    """Number of the other branch."""
+    value: float
+    """Of the parameter."""
+    real: float
+    """λ there, 1/s."""
+    parts: bool
+    """Whether the pair becomes two real modes."""
+
+
 @dataclass(frozen=True, eq=False)
 class CampbellDiagram:
     """Modes followed by their shapes over a parameter."""
@@ -300,6 +319,8 @@ class CampbellDiagram:
     """Critical speeds, where the parameter is a speed."""
     onsets: list[Onset]
     """Where modes begin or cease to grow."""
+    meetings: list[Meeting]
+    """Where real modes meet or part."""
     warnings: list[str]
     """What was suspicious."""
 
@@ -593,8 +614,12 @@ def campbell(
     return CampbellDiagram(
         name,
         np.array(found.values),
-        [ModeBranch(text, np.array(lambdas), np.array(whirl)) for text, lambdas, whirl in found.branches],
+        [
+            ModeBranch(text, np.array(lambdas), np.array(whirl), np.array(half_of, dtype=np.int64))
+            for text, lambdas, whirl, half_of in found.branches
+        ],
         [CriticalSpeed(*one) for one in found.criticals],
         [Onset(*one) for one in found.onsets],
+        [Meeting(*one) for one in found.meetings],
         found.warnings,
     )

@@ -253,13 +253,15 @@ void bind_linear(nb::module_& module) {
 
   nb::class_<CampbellDiagram>(module, "CampbellDiagram")
       .def_ro("values", &CampbellDiagram::values)
-      .def_prop_ro(
-          "branches",
-          [](const CampbellDiagram& d) {
-            std::vector<std::tuple<std::string, std::vector<std::complex<double>>, std::vector<double>>> list;
-            for (const ModeBranch& b : d.branches) list.emplace_back(b.name, b.values, b.whirl);
-            return list;
-          })
+      .def_prop_ro("branches",
+                   [](const CampbellDiagram& d) {
+                     std::vector<std::tuple<std::string, std::vector<std::complex<double>>,
+                                            std::vector<double>, std::vector<int>>>
+                         list;
+                     for (const ModeBranch& b : d.branches)
+                       list.emplace_back(b.name, b.values, b.whirl, b.half_of);
+                     return list;
+                   })
       .def_prop_ro("criticals",
                    [](const CampbellDiagram& d) {
                      std::vector<std::tuple<int, double, double, double>> list;
@@ -272,6 +274,13 @@ void bind_linear(nb::module_& module) {
                      std::vector<std::tuple<int, double, double, bool>> list;
                      for (const auto& o : d.onsets)
                        list.emplace_back(o.branch, o.value, o.frequency, o.grows);
+                     return list;
+                   })
+      .def_prop_ro("meetings",
+                   [](const CampbellDiagram& d) {
+                     std::vector<std::tuple<int, int, double, double, bool>> list;
+                     for (const auto& m : d.meetings)
+                       list.emplace_back(m.first, m.second, m.value, m.real, m.parts);
                      return list;
                    })
       .def_ro("warnings", &CampbellDiagram::warnings);

@@ -38,6 +38,8 @@ void commit(const Compiled& m, relative::RelativeSystem& system, State& s) {
 
 namespace {
 
+/// Of the scales: by how much dependent coordinates may move by one that is independent.
+constexpr double most_by_independent = 1e4;
 constexpr double singular = 1e-6;  ///< of the scales of equations that repeat others, off the point
 
 struct PointState {
@@ -343,14 +345,36 @@ void fold_bristles(Linearised& out) {
   out.state_rates = rates;
 }
 
+/// Whether the others follow from these coordinates as well as from the best ones.
+bool are_independent(const MatrixXd& jacobian, const Scales& scales, bool positions,
+                     const std::vector<int>& chosen) {
+  const Independent best(jacobian, scales, positions);
+  if (best.coordinates().size() != chosen.size()) return false;
+  if (best.coordinates() == chosen) return true;
+  const Independent asked(jacobian, scales, positions, chosen);
+  const VectorXd units = Eigen::Map<const VectorXd>(scales.coordinates.data(), jacobian.cols());
+  const MatrixXd motions =
+      units.cwiseInverse().asDiagonal() * asked.motions() * VectorXd(units(chosen)).asDiagonal();
+  return motions.allFinite() && motions.cwiseAbs().maxCoeff() <= most_by_independent;
+}
+
 }  // namespace
 
-void linearise_state(const Compiled& m, const relative::RelativeSystem& system, Linearised& out) {
+void linearise_state(const Compiled& m, const relative::RelativeSystem& system, Linearised& out,
+                     bool where_good) {
   State& s = out.state;
   const Scales scales = modal_scales(m, system.scales());
   LinearCore core(m, s, pace_of(system, s.v));
   core.find_mass(out.derivatives);
+  const std::vector<char>& is_rate = system.scales().is_rate;
+  const bool rolls = std::find(is_rate.begin(), is_rate.end(), 1) != is_rate.end();
   // Those of another point may be given.
+  if (where_good && !out.moving.empty() &&
+      !(are_independent(out.derivatives.jacobian, scales, false, out.moving) &&
+        (!rolls || are_independent(out.derivatives.jacobian, scales, true, out.independent)))) {
+    out.moving.clear();
+    out.independent.clear();
+  }
   const Independent independent(out.derivatives.jacobian, scales, false, out.moving);
   refuse_singular(m, system, core, independent);
   int massless = -1;
@@ -358,8 +382,6 @@ void linearise_state(const Compiled& m, const relative::RelativeSystem& system, 
     refuse_massless(m, massless);
   core.find_derivatives(s.a, s.multipliers, out.derivatives);
   const LinearCore::Rates rates = core.rates();
-  const std::vector<char>& is_rate = system.scales().is_rate;
-  const bool rolls = std::find(is_rate.begin(), is_rate.end(), 1) != is_rate.end();
   const Independent positions(out.derivatives.jacobian, scales, rolls, out.independent);
   out.reduced = reduce(out.derivatives, rates, positions, independent, scales, massless);
   if (massless >= 0) refuse_massless(m, massless);
@@ -412,6 +434,8 @@ Linearised locate(std::shared_ptr<const Model> model, const LinearOptions& optio
     point = state_of(m, system, options);
   }
   out.state = point.state;
+  out.independent = options.independent.positions;
+  out.moving = options.independent.velocities;
   out.names.point = point.words;
   if (point.trim) {
     out.trimmed = true;
@@ -429,7 +453,8 @@ Linearised linearise_located(Linearised out) {
   const Compiled& m = out.model->compiled();
   relative::RelativeSystem system(m);
   commit(m, system, out.state);
-  linearise_state(m, system, out);
+  linearise_state(m, system, out, true);
+  out.names.independent = {out.independent, out.moving};
   drop_idle_inputs(out);
   fold_bristles(out);
   describe(m, system, out);

@@ -49,8 +49,10 @@ Linearised locate(std::shared_ptr<const Model> model, const LinearOptions& optio
 Linearised linearise_located(Linearised at);
 
 /// The linear equations at out.state, whose accelerations and multipliers become the consistent ones.
-/// Independent coordinates and velocities that are given stay. Its elements and signals must be committed.
-void linearise_state(const Compiled& model, const relative::RelativeSystem& system, Linearised& out);
+/// Independent coordinates and velocities that are given stay; with `where_good` only where the others follow
+/// from them. Its elements and signals must be committed.
+void linearise_state(const Compiled& model, const relative::RelativeSystem& system, Linearised& out,
+                     bool where_good = false);
 /// Along a steady motion: the same equations a time later, in the same coordinates.
 Linearised linearised_later(const Compiled& model, const relative::RelativeSystem& system,
                             const Linearised& at, double time);

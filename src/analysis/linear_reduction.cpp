@@ -31,8 +31,10 @@ int massless_coordinate(const MatrixXd& mass, const VectorXd& scale) {
   if (!(diagonal.minCoeff(&least) > no_inertia * largest)) return static_cast<int>(least);
   // Of unit diagonal, so that light parts count as much as heavy ones.
   const VectorXd inverse = diagonal.cwiseSqrt().cwiseInverse();
-  const EigenPairs pairs =
-      symmetric_eigen(inverse.asDiagonal() * (scaled + scaled.transpose()) / 2 * inverse.asDiagonal());
+  const MatrixXd unit = inverse.asDiagonal() * (scaled + scaled.transpose()) / 2 * inverse.asDiagonal();
+  // Nearly always, and much faster than the eigenvalues.
+  if (is_positive_definite(unit - 2 * no_inertia * MatrixXd::Identity(unit.rows(), unit.cols()))) return -1;
+  const EigenPairs pairs = symmetric_eigen(unit);
   if (!pairs.ok || pairs.values[0] > no_inertia) return -1;
   pairs.vectors.col(0).cwiseAbs().maxCoeff(&least);
   return static_cast<int>(least);

@@ -108,7 +108,7 @@ class TrimSearch {
   /// Newton's equations there, along units of the unknowns (none: they stay) and with rows of length one.
   struct Newton {
     VectorXd unit, sizes;
-    MatrixXd by;
+    MatrixXd inverse;            ///< of the equations, which are solved more than once
     std::vector<Index> columns;  ///< of the inputs that are looked for
     VectorXd solve(const VectorXd& values) const;
   };
@@ -383,7 +383,7 @@ TrimSearch::Equations TrimSearch::equations(const Linearised& l, double yaw_rate
 }
 
 VectorXd TrimSearch::Newton::solve(const VectorXd& values) const {
-  return shortest_solution(by, MatrixXd(-sizes.cwiseProduct(values)), trim_degenerate);
+  return inverse * -sizes.cwiseProduct(values);
 }
 
 TrimSearch::Newton TrimSearch::newton(Iterate& at) {
@@ -414,13 +414,13 @@ TrimSearch::Newton TrimSearch::newton(Iterate& at) {
       unit[column] = 1 / acts;
     }
   unit[all] = pace_;
-  out.by = MatrixXd::Zero(by.rows(), all + 1);
+  MatrixXd scaled = MatrixXd::Zero(by.rows(), all + 1);
   for (Index k = 0; k <= all; ++k)
-    if (unit[k] > 0) out.by.col(k) = unit[k] * by.col(k);
+    if (unit[k] > 0) scaled.col(k) = unit[k] * by.col(k);
   // Rows of stiff parts are no larger than others, so that none of them seems to depend on others.
-  out.sizes = out.by.rowwise().norm();
+  out.sizes = scaled.rowwise().norm();
   for (double& size : out.sizes) size = size > 0 ? 1 / size : 0;
-  out.by = (out.sizes.asDiagonal() * out.by).eval();
+  out.inverse = pseudo_inverse(out.sizes.asDiagonal() * scaled, trim_degenerate);
   return out;
 }
 
@@ -468,13 +468,12 @@ bool TrimSearch::improve(Iterate& at) {
   const Newton equations = newton(at);
   const Reduced& r = at.linear.reduced;
   const Index first = r.first_state(), coordinates = r.coordinates, speeds = r.speeds, states = r.states;
-  const auto step_of = [&](const VectorXd& values) {
-    VectorXd scaled = equations.solve(values);
+  const auto without_states = [&](VectorXd scaled) {
     scaled.segment(first, states).setZero();
     return scaled;
   };
-  const VectorXd x = equations.unit.cwiseProduct(equations.solve(at.equations.values)),
-                 scaled = step_of(at.equations.values);
+  const VectorXd solution = equations.solve(at.equations.values), x = equations.unit.cwiseProduct(solution),
+                 scaled = without_states(solution);
   if (!x.allFinite()) throw std::runtime_error("no steady driving was found: forces are not finite");
   const VectorXd dq = r.position * x.head(r.position.cols());
   const double length = scales_.of_coordinates(dq.data()), before = scaled.norm(),
@@ -487,7 +486,7 @@ bool TrimSearch::improve(Iterate& at) {
       changes = true;  // such as a tyre that lifts
       continue;
     }
-    const double now = step_of(next.equations.values).norm();
+    const double now = without_states(equations.solve(next.equations.values)).norm();
     const bool small = share * length < 1e-6;
     if (!std::isfinite(now) || !(now < (1 - share / 4) * before || small || halving >= trim_patience))
       continue;

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "analysis/modes/mode_likeness.h"
+#include "analysis/modes/mode_matching.h"
 #include "mimbre/diagnostics.h"
 
 namespace mimbre {
@@ -21,8 +22,6 @@ namespace {
 using Eigen::MatrixXd;
 using linear::alike;
 
-constexpr double sure = 0.85;           ///< how alike the shapes of one mode are from value to value
-constexpr double other = 0.4;           ///< and those of two at most
 constexpr double closest = 1. / 65536;  ///< of the step of the values: how closely crossings are looked at
 constexpr int deepest = 26;             ///< halvings between two values
 constexpr double no_growth = 1e-9;      ///< of the largest eigenvalue: round-off
@@ -33,28 +32,35 @@ constexpr double near_enough = 1e-6;
 /// passes zero there, of which round-off takes the root.
 constexpr double apart_from_standing = 1e-4;
 constexpr int most_rounds = 60;
+/// Of the value: how exactly the places are found where real modes meet.
+constexpr double meeting_place = 1e-5;
+/// Of the way that two eigenvalues go relative to each other: modes that stay so far apart do not veer.
+constexpr double far_apart = 0.25;
 
 /// The modes at one value, and the branch that each belongs to.
 struct Stand {
   double value = 0;
   std::vector<Mode> modes;
   std::vector<int> branch;  ///< of each mode
+  std::vector<int> half;    ///< of each mode the branch of the other half of its pair; -1: it has none
+  std::vector<int> drifts;  ///< branches of modes that are drifts here, λ = 0
+  int zeros = -1;           ///< LinearisedModes::zeros
   double turn = 0;          ///< 2π/T where λ are known but for multiples of it; 0: they are known
   bool turning = false;     ///< the whole turns: LinearisedModes::turning
 };
 
 /// A mode at one value, and a function of it that is sought to be zero.
-struct Place {
+struct Sought {
   double value = 0;
   Mode mode;
   double f = 0;
 };
 
-using Samples = std::vector<std::pair<double, double>>;  ///< places and f there
+using SoughtSamples = std::vector<std::pair<double, double>>;  ///< places and f there
 
 /// Where f is zero: by the parabola of the place over f through the last three, or the line through the last
 /// two.
-double zero_of(const Samples& all) {
+double zero_of(const SoughtSamples& all) {
   const auto& [x1, f1] = all[all.size() - 2];
   const auto& [x2, f2] = all.back();
   if (f1 == f2) return std::numeric_limits<double>::quiet_NaN();
@@ -99,6 +105,7 @@ class Tracking {
     if (!linear::clusters_of(at.modes).empty())
       linear::align(at.modes, evaluate(values.front() + 1e-4 * range).modes);
     for (const Mode& mode : at.modes) at.branch.push_back(open(mode));
+    at.half.assign(at.modes.size(), -1);
     record(0, at);
     begin(at);
     for (std::size_t k = 1; k < values.size(); ++k) {
@@ -109,6 +116,7 @@ class Tracking {
     for (std::size_t b = 0; b < out_.branches.size(); ++b) {
       out_.branches[b].values.resize(values.size(), nowhere());
       out_.branches[b].whirl.resize(values.size(), 0);
+      out_.branches[b].half_of.resize(values.size(), -1);
     }
     if (two_frequencies_) show_turning_axes();
     leave_out_neighbours();
@@ -137,11 +145,14 @@ class Tracking {
     ++out_.evaluations;
     LinearisedModes found = modes_at(value);
     for (const std::string& warning : found.model.warnings) warn(warning);
-    return {value,
-            std::move(found.modes),
-            {},
-            found.period > 0 ? 2 * std::numbers::pi / found.period : 0,
-            found.turning > 0};
+    Stand out;
+    out.value = value;
+    out.modes = std::move(found.modes);
+    if (found.period == 0 && found.turning == 0) linear::part_nearly_real(out.modes);
+    out.zeros = found.zeros;
+    out.turn = found.period > 0 ? 2 * std::numbers::pi / found.period : 0;
+    out.turning = found.turning > 0;
+    return out;
   }
 
   /// Modes that stand still; in axes that turn at a critical speed, and else where λ passes zero.
@@ -161,6 +172,17 @@ class Tracking {
       for (const double beside : {1e-7, 1e-6, 1e-5}) {
         Stand next = evaluate_once(value + beside * size);
         if (standing(next) > usual) continue;
+        at = std::move(next);
+        break;
+      }
+    // Where real modes meet they have one vector.
+    const auto met = [](const Stand& s) {
+      return s.turn == 0 && !s.turning && std::any_of(s.modes.begin(), s.modes.end(), linear::have_met);
+    };
+    if (met(at))
+      for (const double beside : {1e-9, 1e-8, 1e-7}) {
+        Stand next = evaluate_once(value + beside * size);
+        if (met(next)) continue;
         at = std::move(next);
         break;
       }
@@ -188,7 +210,7 @@ class Tracking {
   }
 
   int open(const Mode& mode) {
-    out_.branches.push_back({mode.text, {}, {}});
+    out_.branches.push_back({mode.text, {}, {}, {}});
     followed_.push_back(false);
     turning_.emplace_back();
     return static_cast<int>(out_.branches.size()) - 1;
@@ -224,9 +246,21 @@ class Tracking {
     };
     rename(out_.criticals);
     rename(out_.onsets);
+    const auto renamed = [&](int& branch) {
+      branch = branch < 0 ? -1 : now[static_cast<std::size_t>(branch)];
+    };
+    for (ModeBranch& branch : out_.branches)
+      std::for_each(branch.half_of.begin(), branch.half_of.end(), renamed);
+    for (CampbellDiagram::Meeting& meeting : out_.meetings) {
+      renamed(meeting.first);
+      renamed(meeting.second);
+    }
+    std::erase_if(out_.meetings,
+                  [](const CampbellDiagram::Meeting& m) { return m.first < 0 || m.second < 0; });
   }
 
   void record(std::size_t k, const Stand& at) {
+    recorded_ = k + 1;
     for (std::size_t i = 0; i < at.modes.size(); ++i) {
       ModeBranch& b = out_.branches[static_cast<std::size_t>(at.branch[i])];
       b.values.resize(k + 1, nowhere());
@@ -240,41 +274,47 @@ class Tracking {
                                               !seen_from_ground(at.modes[i]));
       if (b.name.empty()) b.name = at.modes[i].text;
       if (i < most_) followed_[static_cast<std::size_t>(at.branch[i])] = true;
+      if (const int half = at.half[i]; half >= 0) {
+        put(k, half, std::conj(at.modes[i].seen()), at.branch[i]);
+        if (i < most_) followed_[static_cast<std::size_t>(half)] = true;
+      }
     }
+    for (const int branch : at.drifts) put(k, branch, 0, -1);
   }
 
-  /// Pairs of modes; −1: none. False where it is not sure for those that are followed.
-  bool match(const Stand& a, const Stand& b, std::vector<int>& pair) const {
-    const auto n = static_cast<Eigen::Index>(a.modes.size()), m = static_cast<Eigen::Index>(b.modes.size());
-    MatrixXd score(n, m);
-    for (Eigen::Index i = 0; i < n; ++i)
-      for (Eigen::Index j = 0; j < m; ++j)
-        score(i, j) = alike(a.modes[static_cast<std::size_t>(i)], b.modes[static_cast<std::size_t>(j)]);
-    pair.assign(static_cast<std::size_t>(m), -1);
-    const auto followed = [this](Eigen::Index k) { return static_cast<std::size_t>(k) < most_; };
-    bool good = n == m || options_.most > 0;
-    std::size_t sure_of_a = 0, sure_of_b = 0;
-    MatrixXd left = score;
-    // The best pair first.
-    for (Eigen::Index k = 0; k < std::min(n, m); ++k) {
-      Eigen::Index i = 0, j = 0;
-      const double best = left.maxCoeff(&i, &j);
-      if (best < 0.3) break;
-      double second = 0;
-      for (Eigen::Index c = 0; c < m; ++c)
-        if (c != j) second = std::max(second, score(i, c));
-      for (Eigen::Index r = 0; r < n; ++r)
-        if (r != i) second = std::max(second, score(r, j));
-      const bool is_sure = best >= sure && second <= other;
-      good = good && (is_sure || (!followed(i) && !followed(j)));
-      sure_of_a += is_sure && followed(i) ? 1 : 0;
-      sure_of_b += is_sure && followed(j) ? 1 : 0;
-      pair[static_cast<std::size_t>(j)] = static_cast<int>(i);
-      left.row(i).setConstant(-1);
-      left.col(j).setConstant(-1);
+  /// λ of a branch without a mode of its own. Such branches are those of constant coefficients.
+  void put(std::size_t k, int branch, std::complex<double> value, int half_of) {
+    ModeBranch& b = out_.branches[static_cast<std::size_t>(branch)];
+    b.values.resize(k + 1, nowhere());
+    b.whirl.resize(k + 1, 0);
+    b.half_of.resize(k + 1, -1);
+    b.values[k] = value;
+    b.half_of[k] = half_of;
+    std::vector<std::complex<double>>& turning = turning_[static_cast<std::size_t>(branch)];
+    turning.resize(k + 1, nowhere());
+    turning[k] = value;
+  }
+
+  /// A branch of a mode that is seen for the first time as one of two, or as no drift any longer: it had the
+  /// conjugate of the pair's values so far, or zeros.
+  int open_late(const Mode& mode, int pair) {
+    const int branch = open(mode);
+    for (std::size_t k = 0; k < recorded_; ++k) {
+      const auto value = pair < 0 ? std::complex<double>(0) : [&] {
+        const auto& values = out_.branches[static_cast<std::size_t>(pair)].values;
+        return k < values.size() && values[k].imag() > 0 ? std::conj(values[k]) : nowhere();
+      }();
+      put(k, branch, value, std::isfinite(value.real()) ? pair : -1);
     }
-    return good && sure_of_a == std::min(most_, a.modes.size()) &&
-           sure_of_b == std::min(most_, b.modes.size());
+    return branch;
+  }
+
+  /// By the differences of two eigenvalues at both values: modes of which one is damped more throughout
+  /// exchange their shapes only by a coupling as large, which then shows at the values.
+  static bool may_veer(std::complex<double> before, std::complex<double> after) {
+    const std::complex<double> way = after - before;
+    const double share = std::clamp(-std::real(std::conj(way) * before) / std::norm(way), 0.0, 1.0);
+    return std::abs(before + share * way) <= far_apart * std::abs(way);
   }
 
   /// Where two modes, one of which is followed, exchange their order between the values, by straight lines.
@@ -283,18 +323,21 @@ class Tracking {
     for (std::size_t i = 0; i < pair.size(); ++i)
       for (std::size_t j = 0; j < std::min(i, most_); ++j) {
         if (pair[i] < 0 || pair[j] < 0) continue;
-        const double before = before_or_behind(a.modes[static_cast<std::size_t>(pair[i])],
-                                               a.modes[static_cast<std::size_t>(pair[j])], turning),
+        const Mode &first = a.modes[static_cast<std::size_t>(pair[i])],
+                   &second = a.modes[static_cast<std::size_t>(pair[j])];
+        const double before = before_or_behind(first, second, turning),
                      after = before_or_behind(b.modes[i], b.modes[j], turning);
-        if (before * after < 0) return a.value + (b.value - a.value) * before / (before - after);
+        if (before * after < 0 && may_veer(first.value - second.value, b.modes[i].value - b.modes[j].value))
+          return a.value + (b.value - a.value) * before / (before - after);
       }
     return std::nullopt;
   }
 
   Stand follow(Stand from, Stand to, int depth) {
     linear::align(to.modes, from.modes);
-    std::vector<int> pair;
-    const bool certain = match(from, to, pair);
+    linear::Matching matching = linear::match_modes({from.modes, from.zeros}, {to.modes, to.zeros}, most_);
+    std::vector<int>& pair = matching.pair;
+    const bool certain = matching.certain;
     for (std::size_t j = 0; j < to.modes.size(); ++j)
       if (pair[j] >= 0)
         linear::go_on_from(from.modes[static_cast<std::size_t>(pair[j])], to.turn, to.modes[j]);
@@ -315,12 +358,36 @@ class Tracking {
         warn(fmt::format("near {} = {:.6g} modes could not be distinguished for certain", options_.parameter,
                          to.value));
     }
-    to.branch.clear();
-    for (std::size_t j = 0; j < to.modes.size(); ++j)
-      to.branch.push_back(pair[j] >= 0 ? from.branch[static_cast<std::size_t>(pair[j])] : open(to.modes[j]));
-    look_between(from, to, pair);
+    assign_branches(from, matching, to);
+    look_between(from, to, matching);
     before_ = std::move(from);
     return to;
+  }
+
+  void assign_branches(const Stand& from, const linear::Matching& matching, Stand& to) {
+    to.branch.assign(to.modes.size(), -1);
+    to.half.assign(to.modes.size(), -1);
+    to.drifts = from.drifts;
+    for (std::size_t j = 0; j < to.modes.size(); ++j)
+      if (const int i = matching.pair[j]; i >= 0) {
+        to.branch[j] = from.branch[static_cast<std::size_t>(i)];
+        if (to.modes[j].kind == Mode::Kind::oscillating) to.half[j] = from.half[static_cast<std::size_t>(i)];
+      }
+    for (const linear::Meeting& m : matching.meet)
+      to.half[static_cast<std::size_t>(m.pair)] = from.branch[static_cast<std::size_t>(m.fast)];
+    for (const linear::Meeting& m : matching.part) {
+      const auto pair = static_cast<std::size_t>(m.pair), fast = static_cast<std::size_t>(m.fast);
+      to.branch[fast] = from.half[pair] >= 0 ? from.half[pair] : open_late(to.modes[fast], from.branch[pair]);
+    }
+    if (matching.stops >= 0) to.drifts.push_back(from.branch[static_cast<std::size_t>(matching.stops)]);
+    if (matching.starts >= 0) {
+      int& branch = to.branch[static_cast<std::size_t>(matching.starts)];
+      branch = to.drifts.empty() ? open_late(to.modes[static_cast<std::size_t>(matching.starts)], -1)
+                                 : to.drifts.back();
+      if (!to.drifts.empty()) to.drifts.pop_back();
+    }
+    for (std::size_t j = 0; j < to.modes.size(); ++j)
+      if (to.branch[j] < 0) to.branch[j] = open(to.modes[j]);
   }
 
   /// Where two modes meet their shapes are one: the one that grows goes on as the one that does.
@@ -370,12 +437,28 @@ class Tracking {
   /// Where the mode has a frequency.
   void keep(double value, const Mode& mode, int branch) {
     if (options_.rad_per_second > 0 && mode.kind == Mode::Kind::oscillating && mode.seen().imag() > 0)
-      oscillated_[static_cast<std::size_t>(branch)] = Place{value, mode};
+      oscillated_[static_cast<std::size_t>(branch)] = Sought{value, mode};
   }
 
-  /// Criticals and onsets between two values, of which no more are needed to follow the modes.
-  void look_between(const Stand& from, const Stand& to, const std::vector<int>& pair) {
+  /// Criticals, onsets and meetings between two values, of which no more are needed to follow the modes.
+  void look_between(const Stand& from, const Stand& to, const linear::Matching& matching) {
+    const std::vector<int>& pair = matching.pair;
     oscillated_.resize(out_.branches.size());
+    // Real modes that meet, which all decay or all grow, and drifts.
+    std::vector<char> known_from(from.modes.size(), 0), known(to.modes.size(), 0);
+    for (const linear::Meeting& m : matching.meet) {
+      known[static_cast<std::size_t>(m.pair)] = known_from[static_cast<std::size_t>(m.slow)] =
+          known_from[static_cast<std::size_t>(m.fast)] = 1;
+      find_meeting(from, to, m, false);
+    }
+    for (const linear::Meeting& m : matching.part) {
+      known_from[static_cast<std::size_t>(m.pair)] = known[static_cast<std::size_t>(m.slow)] =
+          known[static_cast<std::size_t>(m.fast)] = 1;
+      find_meeting(from, to, m, true);
+      oscillated_[static_cast<std::size_t>(from.branch[static_cast<std::size_t>(m.pair)])].reset();
+    }
+    if (matching.stops >= 0) known_from[static_cast<std::size_t>(matching.stops)] = 1;
+    if (matching.starts >= 0) known[static_cast<std::size_t>(matching.starts)] = 1;
     for (std::size_t j = 0; j < to.modes.size(); ++j) {
       if (options_.rad_per_second > 0) look_for_criticals(to.value, to.modes[j], to.branch[j], to.turning);
       keep(to.value, to.modes[j], to.branch[j]);
@@ -383,6 +466,7 @@ class Tracking {
     const double none = largest_round_off(from, to);
     std::vector<char> goes_on(from.modes.size(), 0);
     for (std::size_t j = 0; j < to.modes.size(); ++j) {
+      if (known[j] != 0) continue;
       int i = pair[j];
       if (i >= 0) goes_on[static_cast<std::size_t>(i)] = 1;
       // One of two into which a mode parts.
@@ -394,9 +478,43 @@ class Tracking {
         look_for_dip(from.value, before, from.branch[static_cast<std::size_t>(i)], to, j, none);
     }
     for (std::size_t i = 0; i < from.modes.size(); ++i)
-      if (const int j = goes_on[i] != 0 ? -1 : nearest_to(from.modes[i], to.modes); j >= 0)
+      if (const int j = goes_on[i] != 0 || known_from[i] != 0 ? -1 : nearest_to(from.modes[i], to.modes);
+          j >= 0)
         look_for_onset(from.value, from.modes[i], to.value, to.modes[static_cast<std::size_t>(j)],
                        from.branch[i], none);
+  }
+
+  /// By secants or parabolas over (λ₁ − λ₂)².
+  void find_meeting(const Stand& from, const Stand& to, const linear::Meeting& m, bool parts) {
+    const Stand &two = parts ? to : from, &one = parts ? from : to;
+    const auto mode_of = [](const Stand& s, int k) -> const Mode& {
+      return s.modes[static_cast<std::size_t>(k)];
+    };
+    const Mode& pair = mode_of(one, m.pair);
+    const linear::MeetingValues apart = linear::of_two(mode_of(two, m.slow), mode_of(two, m.fast)),
+                                joined = linear::of_pair(pair);
+    SoughtSamples samples{{two.value, apart.difference_squared}, {one.value, joined.difference_squared}};
+    double low = from.value, high = to.value, place = one.value, real = joined.mean;
+    for (int round = 0; round < most_rounds && out_.evaluations < options_.most_evaluations; ++round) {
+      const double size = std::max(std::abs(low), std::abs(high)), before = place;
+      place = zero_of(samples);
+      if (!(place > low && place < high)) place = 0.5 * (low + high);
+      if (std::abs(place - before) <= meeting_place * size || high - low <= meeting_place * size) break;
+      const std::optional<linear::MeetingValues> there =
+          linear::meeting_values(pair, evaluate_once(place).modes);
+      if (!there) {
+        place = 0.5 * (low + high);
+        warn(fmt::format("two modes meet between {} = {:.6g} and {:.6g}", options_.parameter, low, high));
+        break;
+      }
+      real = there->mean;
+      samples.emplace_back(place, there->difference_squared);
+      ((there->difference_squared > 0) == parts ? high : low) = place;
+    }
+    out_.meetings.push_back(
+        {one.branch[static_cast<std::size_t>(m.pair)],
+         parts ? to.branch[static_cast<std::size_t>(m.fast)] : from.branch[static_cast<std::size_t>(m.fast)],
+         place, real, parts});
   }
 
   static int nearest_to(const Mode& mode, const std::vector<Mode>& modes) {
@@ -444,12 +562,12 @@ class Tracking {
   /// places, or by halves where f is none. The places become those next to it. `apart`: a share of the value,
   /// within which of the place sought f is not exact.
   template <class F, class Prefer>
-  double zero_between(Place& low, Place& high, bool by_halves, double apart, const F& f,
+  double zero_between(Sought& low, Sought& high, bool by_halves, double apart, const F& f,
                       const Prefer& prefer) {
     low.f = f(low.mode, low.value);
     high.f = f(high.mode, high.value);
     const bool rises = high.f > low.f;
-    Samples samples{{low.value, low.f}, {high.value, high.f}};
+    SoughtSamples samples{{low.value, low.f}, {high.value, high.f}};
     if (std::abs(low.f) < std::abs(high.f)) std::swap(samples[0], samples[1]);
     double place = samples[1].first, off = apart;
     bool found = false;
@@ -462,14 +580,14 @@ class Tracking {
       found = width <= 1e-3 * near_enough * size ||
               (!by_halves && std::abs(place - before) <= near_enough * size && (apart == 0 || round >= 3));
       if (found) break;
-      std::optional<Place> here;
+      std::optional<Sought> here;
       const double towards = high.value - place > place - low.value ? 1 : -1;
       // Where λ cannot be told there, a little beside it.
       for (const double share : {0., 1e-4, 1e-3, 1e-2, 1e-1}) {
         const double beside = place + towards * (share * width + off * size);
         std::optional<Mode> mode =
             mode_between(beside, low.mode, high.mode, (beside - low.value) / width, prefer);
-        if (mode) here = Place{beside, *mode, f(*mode, beside)};
+        if (mode) here = Sought{beside, *mode, f(*mode, beside)};
         if (here && std::isfinite(here->f)) break;
         here.reset();
       }
@@ -485,7 +603,7 @@ class Tracking {
   }
 
   void look_for_criticals(double value, const Mode& mode, int branch, bool turning) {
-    const std::optional<Place>& last = oscillated_[static_cast<std::size_t>(branch)];
+    const std::optional<Sought>& last = oscillated_[static_cast<std::size_t>(branch)];
     if (!last || mode.kind != Mode::Kind::oscillating || !(mode.seen().imag() > 0)) return;
     // Those seen from the ground and those in axes that turn are no one function.
     const bool ground = seen_from_ground(mode);
@@ -497,7 +615,7 @@ class Tracking {
         return m.seen().imag() - order * options_.rad_per_second * std::abs(at);
       };
       if ((f(last->mode, last->value) > 0) == (f(mode, value) > 0)) continue;
-      Place low = *last, high{value, mode};
+      Sought low = *last, high{value, mode};
       const double place = zero_between(low, high, false, turning && ground ? apart_from_standing : 0, f,
                                         [](double how, const Mode&) { return how; });
       out_.criticals.push_back({branch, place, order, order * options_.rad_per_second * std::abs(place)});
@@ -510,7 +628,7 @@ class Tracking {
     const double a = first.value.real(), b = second.value.real();
     const bool grew = a > none, grows = b > none;
     if (grew == grows) return;
-    Place low{from, first}, high{to, second};
+    Sought low{from, first}, high{to, second};
     // Without damping modes grow all at once, by the square root of the distance.
     const bool neutral = std::min(std::abs(a), std::abs(b)) <= 10 * none;
     const double offset = neutral ? none : 0;
@@ -541,7 +659,7 @@ class Tracking {
     const auto [least, most] = std::minmax({growth(first), growth(mode), growth(third)});
     // Nothing is damped, or a value of the three shows that it grows.
     if (most > none || most - least <= 10 * none) return;
-    Place a{before_.value, first, growth(first)}, b{middle, mode, growth(mode)},
+    Sought a{before_.value, first, growth(first)}, b{middle, mode, growth(mode)},
         c{to.value, third, growth(third)};
     for (int round = 0; round < 4; ++round) {
       // The top of the parabola through them.
@@ -559,14 +677,14 @@ class Tracking {
                        [&](double, const Mode& m) { return growth(m); });
       if (!there) return;
       if (growth(*there) > none) {
-        const Place &low = behind ? b : a, &high = behind ? c : b;
+        const Sought &low = behind ? b : a, &high = behind ? c : b;
         look_for_onset(low.value, low.mode, top, *there, branch, none);
         look_for_onset(top, *there, high.value, high.mode, branch, none);
         return;
       }
       if (!(growth(*there) > highest)) return;
       (behind ? a : c) = std::move(b);
-      b = Place{top, *there, growth(*there)};
+      b = Sought{top, *there, growth(*there)};
     }
   }
 
@@ -574,6 +692,7 @@ class Tracking {
     const auto first = [](const auto& a, const auto& b) { return a.value < b.value; };
     std::stable_sort(out_.criticals.begin(), out_.criticals.end(), first);
     std::stable_sort(out_.onsets.begin(), out_.onsets.end(), first);
+    std::stable_sort(out_.meetings.begin(), out_.meetings.end(), first);
   }
   const ModesAt& modes_;
   const CampbellOptions& options_;
@@ -581,10 +700,11 @@ class Tracking {
   std::vector<bool> followed_;                              ///< by branch: it is somewhere among them
   std::vector<std::vector<std::complex<double>>> turning_;  ///< by branch: λ in axes that turn, by value
   bool two_frequencies_ = false;                            ///< from the ground, of some mode
+  std::size_t recorded_ = 0;                                ///< values
   double step_ = 0;                                         ///< of the values, where it is now
   std::ptrdiff_t standing_ = -1;                            ///< at the last value; −1: not known
   Stand before_;                                            ///< the one before the interval that is looked at
-  std::vector<std::optional<Place>> oscillated_;            ///< by branch: where it last did
+  std::vector<std::optional<Sought>> oscillated_;           ///< by branch: where it last did
   CampbellDiagram out_;
 };
 
@@ -609,7 +729,9 @@ LinearisedModes NeighbouringModes::find(double value, std::shared_ptr<const Mode
       --nearest;
     options.linear.trim_near = nearest->second;
   }
+  options.linear.independent = independent_;
   LinearisedModes found = find_modes(std::move(model), options);
+  if (independent_.velocities.empty()) independent_ = found.model.independent;
   if (found.model.driving) driving_[value] = found.model.driving;
   return found;
 }

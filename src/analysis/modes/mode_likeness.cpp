@@ -14,8 +14,9 @@ using Eigen::MatrixXcd;
 
 namespace {
 
-constexpr double same_place = 1e-7;  ///< of the larger eigenvalue: equal ones
-constexpr double one_shape = 1e4;    ///< of the products of entries of left and right vectors, whose sum is 1
+constexpr double same_place = 1e-7;   ///< of the larger eigenvalue: equal ones
+constexpr double rigid_change = 0.5;  ///< of a rigid motion, from value to value
+constexpr double one_shape = 1e4;  ///< of the products of entries of left and right vectors, whose sum is 1
 
 bool comparable(const Mode& a, const Mode& b) {
   return a.shape.size() == b.shape.size() && a.left.size() == b.left.size();
@@ -49,8 +50,16 @@ void align_rigid(std::vector<Mode>& modes, const std::vector<Mode>& to) {
   };
   const MatrixXcd shapes = columns(modes, here, &Mode::shape), motions = columns(modes, here, &Mode::motion),
                   wanted = columns(to, there, &Mode::shape);
-  const Eigen::MatrixXd by = shortest_solution(shapes.real(), wanted.real(), 1e-12);
-  if ((shapes.real() * by - wanted.real()).norm() > 1e-6 * wanted.norm()) return;
+  // Entries of one size, whatever their units.
+  const Eigen::VectorXd sizes = wanted.cwiseAbs().rowwise().maxCoeff().cwiseMax(
+                            shapes.cwiseAbs().rowwise().maxCoeff()),
+                        units = sizes.unaryExpr([](double x) { return x > 0 ? 1 / x : 0; });
+  const Eigen::MatrixXd given = units.asDiagonal() * shapes.real(),
+                        sought = units.asDiagonal() * wanted.real(),
+                        by = shortest_solution(given, sought, 1e-12);
+  // They change with the parameter. None may be lost.
+  for (Eigen::Index k = 0; k < n; ++k)
+    if ((given * by.col(k) - sought.col(k)).norm() > rigid_change * sought.col(k).norm()) return;
   for (Eigen::Index k = 0; k < n; ++k) {
     Mode& mode = modes[here[static_cast<std::size_t>(k)]];
     mode.shape = shapes * by.col(k).cast<std::complex<double>>();

@@ -248,12 +248,45 @@ void ModeShares::find_waves(const VectorXd& energies, Mode& mode) {
   }
 }
 
+/// Where the states of force elements, blocks and integrals take part by more than positions and velocities:
+/// by whom they belong to, shares of |w̄ₖ xₖ| of all (participation factors: wᴴ x = 1).
+std::vector<ModeShare> ModeShares::shares_of_states(const Mode& mode) const {
+  const Reduced& r = at_.reduced;
+  std::vector<ModeShare> out;
+  if (r.states == 0 || mode.left.size() != r.A.rows() || mode.shape.size() != r.A.rows() ||
+      mode.kind == Mode::Kind::rigid)
+    return out;
+  const VectorXd takes_part = mode.left.cwiseProduct(mode.shape.conjugate()).cwiseAbs();
+  const double all = takes_part.sum();
+  if (!(takes_part.tail(r.states).sum() > 0.5 * all)) return out;
+  for (int k = 0; k < r.states; ++k) {
+    const Parameter& p = at_.parameters[static_cast<std::size_t>(k)];
+    const auto state = static_cast<std::size_t>(r.first_state() + k);
+    const std::string name =
+        p.kind == Parameter::Kind::element_state
+            ? element_name(m_, m_.elements[static_cast<std::size_t>(
+                                   at_.elements[static_cast<std::size_t>(p.item)].element)])
+            : at_.names.states[state].name;
+    const double share = takes_part[r.first_state() + k] / all;
+    const auto known =
+        std::find_if(out.begin(), out.end(), [&](const ModeShare& s) { return s.name == name; });
+    if (known == out.end())
+      out.push_back({name, share});
+    else
+      known->share += share;
+  }
+  sort_shares(out);
+  return out;
+}
+
 std::string ModeShares::words(const Mode& mode, const VectorXcd& shape) const {
   std::string text;
   const auto add = [&](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
   if (mode.kind == Mode::Kind::rigid) add("rigid");
   const bool one = !mode.blades.empty() && mode.blades[0].share >= one_wave;
   if (one) add("blades " + mode.blades[0].name);
+  if (const std::vector<ModeShare> states = shares_of_states(mode); !states.empty())
+    add("states of " + listed(states, 2));
   if (!mode.coordinates.empty()) add(listed(mode.coordinates, 3));
   if (mode.coordinates.empty() && at_.reduced.states > 0) {
     Eigen::Index largest = 0;

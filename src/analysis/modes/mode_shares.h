@@ -49,6 +49,7 @@ class ModeShares {
   /// `energies`: of the coordinates, shares of all.
   void find_waves(const Eigen::VectorXd& energies, Mode& mode);
   std::vector<Vec3d> velocities_on_axis(const Eigen::VectorXd& v);
+  std::vector<ModeShare> shares_of_states(const Mode& mode) const;
   std::string words(const Mode& mode, const Eigen::VectorXcd& shape) const;
 
   const Linearised& at_;

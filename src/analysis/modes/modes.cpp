@@ -225,8 +225,11 @@ ComplexPairs pairs_of(const MatrixXd& A) {
   return pairs;
 }
 
-std::vector<Mode> eigen_modes(const linear::Linearised& at, const Scales& scales, const VectorXd& scale) {
+/// `zero_count`: LinearisedModes::zeros.
+std::vector<Mode> eigen_modes(const linear::Linearised& at, const Scales& scales, const VectorXd& scale,
+                              int& zero_count) {
   const linear::Reduced& r = at.reduced;
+  zero_count = 0;
   if (r.A.rows() == 0) return {};
   const MatrixXd A = scale.cwiseInverse().asDiagonal() * r.A * scale.asDiagonal();
   // On wheels the path goes by the heading, too.
@@ -236,6 +239,7 @@ std::vector<Mode> eigen_modes(const linear::Linearised& at, const Scales& scales
   const Zeros zeros =
       rolls ? linear::zero_chains(r, sizes(at.independent), sizes(at.moving), scales.acceleration)
             : zeros_of(at, sizes(at.independent));
+  zero_count = zeros.count;
   std::vector<Mode> modes =
       rigid_modes(linear::echelon(scale.cwiseInverse().asDiagonal() * zeros.vectors), r.coordinates, scale);
   const ComplexPairs pairs = pairs_of(A);
@@ -350,7 +354,7 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
   std::string why;
   const std::optional<linear::Transition> transition =
       varies(at) ? linear::find_transition(m, system, at, scale, why) : std::nullopt;
-  out.modes = transition ? floquet_modes(at, scale, *transition) : eigen_modes(at, scales, scale);
+  out.modes = transition ? floquet_modes(at, scale, *transition) : eigen_modes(at, scales, scale, out.zeros);
   if (transition) {
     out.period = transition->period;
     std::erase_if(out.model.warnings, [](const std::string& w) { return w.starts_with(linear::varying); });

@@ -61,8 +61,11 @@ Json to_json(const CampbellDiagram& d) {
       real.push_back(value.real());
       imaginary.push_back(value.imag());
     }
-    json["branches"].push_back(
-        {{"name", b.name}, {"real", real}, {"imaginary", imaginary}, {"whirl", b.whirl}});
+    json["branches"].push_back({{"name", b.name},
+                                {"real", real},
+                                {"imaginary", imaginary},
+                                {"whirl", b.whirl},
+                                {"half_of", b.half_of}});
   }
   json["criticals"] = Json::array();
   for (const auto& c : d.criticals)
@@ -72,9 +75,20 @@ Json to_json(const CampbellDiagram& d) {
   for (const auto& o : d.onsets)
     json["onsets"].push_back(
         {{"branch", o.branch}, {"value", o.value}, {"frequency", o.frequency}, {"grows", o.grows}});
+  json["meetings"] = Json::array();
+  for (const auto& m : d.meetings)
+    json["meetings"].push_back(
+        {{"first", m.first}, {"second", m.second}, {"value", m.value}, {"real", m.real}, {"parts", m.parts}});
   json["evaluations"] = d.evaluations;
   json["warnings"] = d.warnings;
   return json;
+}
+
+std::string cell_of(const ModeBranch& b, std::size_t k) {
+  if (b.half_of[k] >= 0) return fmt::format("with {}", b.half_of[k] + 1);
+  if (!std::isfinite(b.values[k].imag())) return "–";
+  return fmt::format("{:.5g}{}", b.values[k].imag() > 0 ? std::abs(b.values[k]) : b.values[k].real(),
+                     b.values[k].real() > 1e-9 * std::abs(b.values[k]) ? " grows" : "");
 }
 
 std::string to_text_of(const CampbellDiagram& d) {
@@ -83,17 +97,17 @@ std::string to_text_of(const CampbellDiagram& d) {
   Table table(heading);
   for (std::size_t k = 0; k < d.values.size(); ++k) {
     std::vector<std::string> row{fmt::format("{:.6g}", d.values[k])};
-    for (const ModeBranch& b : d.branches)
-      row.push_back(std::isfinite(b.values[k].imag())
-                        ? fmt::format("{:.5g}{}",
-                                      b.values[k].imag() > 0 ? std::abs(b.values[k]) : b.values[k].real(),
-                                      b.values[k].real() > 1e-9 * std::abs(b.values[k]) ? " grows" : "")
-                        : "–");
+    for (const ModeBranch& b : d.branches) row.push_back(cell_of(b, k));
     table.add(row);
   }
   std::string text = table.text() + "\n";
   for (std::size_t b = 0; b < d.branches.size(); ++b)
     text += fmt::format("mode {}: {}\n", b + 1, d.branches[b].name);
+  for (const auto& m : d.meetings)
+    text += m.parts ? fmt::format("parts: {} = {:.6g}, mode {} into modes {} and {} at {:.5g} 1/s\n",
+                                  d.parameter, m.value, m.first + 1, m.first + 1, m.second + 1, m.real)
+                    : fmt::format("meets: {} = {:.6g}, modes {} and {} become one pair at {:.5g} 1/s\n",
+                                  d.parameter, m.value, m.first + 1, m.second + 1, m.real);
   for (const auto& c : d.criticals)
     text += fmt::format("critical: {} = {:.6g}, mode {} at {:.6g} rad/s\n", d.parameter, c.value,
                         c.branch + 1, c.frequency);
