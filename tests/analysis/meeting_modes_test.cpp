@@ -134,9 +134,9 @@ TEST(MeetingModes, AmongOthersAndTwice) {
     const auto values_of = [&](int branch) { return d.branches[static_cast<std::size_t>(branch)].values; };
     for (std::size_t k = 0; k < values.size(); ++k)
       for (const bool slow : {true, false}) {
-        const Complex root = std::sqrt(Complex(at(values[k]))), expected = -a[0] + (slow ? root : -root);
-        EXPECT_LT(std::min(std::abs(values_of(d.meetings[0].first)[k] - expected),
-                           std::abs(values_of(d.meetings[0].second)[k] - expected)),
+        const Complex root = std::sqrt(Complex(at(values[k]))), lambda = -a[0] + (slow ? root : -root);
+        EXPECT_LT(std::min(std::abs(values_of(d.meetings[0].first)[k] - lambda),
+                           std::abs(values_of(d.meetings[0].second)[k] - lambda)),
                   1e-6)
             << seed;
       }

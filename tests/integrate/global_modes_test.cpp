@@ -199,8 +199,7 @@ outputs:
 
 /// A load across the plane of a four-bar that comes later than the table has been made.
 TEST(GlobalModes, LoadsThatComeLaterBendAlike) {
-  const auto model =
-      model_of(R"yaml(
+  const auto model = model_of(R"yaml(
 gravity: [0, 0, -9.81]
 materials:
   steel: {young: 2.1e11, poisson: 0.3, density: 7850}
