@@ -134,7 +134,14 @@ SparseEquations sparse_equations(const natural::NaturalSystem& system, const Sta
   const double work = r.cwiseAbs().maxCoeff();
   out.unbalanced = work == 0 ? 0 : weight > 0 ? work / weight : 1;
   // The Jacobian as of the last matrix_values() of the system, at the same position.
-  out.pencil.J = sparse_jacobian(system).J;
+  const VectorXd given = Eigen::Map<const VectorXd>(system.scales().coordinates.data(), n);
+  SparseMatrix J = sparse_jacobian(system).J * out.scale.cwiseQuotient(given).asDiagonal();
+  VectorXd lengths = VectorXd::Zero(J.rows());
+  for (int c = 0; c < J.outerSize(); ++c)
+    for (SparseMatrix::InnerIterator entry(J, c); entry; ++entry)
+      lengths[entry.row()] += entry.value() * entry.value();
+  for (double& length : lengths) length = length > 0 ? 1 / std::sqrt(length) : 0;
+  out.pencil.J = lengths.asDiagonal() * J;
   return out;
 }
 
