@@ -26,7 +26,7 @@ def nothing_else_is_there() -> None:
         assert shutil.which(command) is None, command
     site = str(Path(mimbre.__file__).parents[1])
     mapped = {line.split()[-1] for line in Path("/proc/self/maps").read_text().splitlines() if ".so" in line}
-    for name in ("hdf5", "dmumps", "scotch", "openblas", "lapack", "gfortran", "yaml-cpp", "fmt", "curl"):
+    for name in ("hdf5", "dmumps", "scotch", "openblas", "lapack", "gfortran", "yaml", "fmt", "curl"):
         used = [path for path in mapped if f"/lib{name}" in path]
         assert used, f"{name} is not loaded"
         assert all(path.startswith(site) for path in used), used
