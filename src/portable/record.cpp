@@ -49,6 +49,8 @@ class Recorder {
         numbers_(m.numbers.begin(), m.numbers.end()),
         residual_(static_cast<std::size_t>(m.velocities)),
         slots_(static_cast<std::size_t>(m.signals.slots)) {
+    // ∂x/∂v of the integrator's rule (System::set_rate_time); an instant has none.
+    if (weights.damping > 0) w_.rate_time = weights.stiffness / weights.damping;
     w_.signals.numbers = numbers_.data();
     w_.signals.states = states_.data();
     out_->senses = !m.signals.sensors.empty();

@@ -208,6 +208,87 @@ actuators:
   EXPECT_TRUE(std::isnan(made.output(1000)));
 }
 
+/// Equations of velocities alone: their value is their rate times the rule's time (System::set_rate_time).
+struct Rolls {
+  const char *name, *text;
+  friend void PrintTo(const Rolls& c, std::ostream* out) { *out << c.name; }
+};
+
+class GeneratedCodeOfRates : public testing::TestWithParam<Rolls> {};
+
+TEST_P(GeneratedCodeOfRates, StepsAsTheLibraryDoes) {
+  const auto model = model_of(GetParam().text);
+  const GeneratedCode code = generate_code(model, {}, GetParam().name);
+  ASSERT_EQ(code.outputs.size(), model->spec().outputs.size());
+  Code made(code);
+  EXPECT_LE(difference(model, code, made, 0.2), 1e-10);
+}
+
+constexpr const char* leaning_disc = R"yaml(
+bodies: {disc: {mass: 1, com: [0, 0, 0.3], inertia: [0.0225, 0.045, 0.0225]}}
+joints: {free: {type: floating, between: [ground, disc], velocity: [0.6, -0.15, 0, 0.5, 2, 1]}}
+constraints:
+  wheel:
+    {type: rolling, between: [ground, disc], at: [[0, 0, 0], [0, 0, 0.3]], axis: [0, 0, 1], axis2: [0, 1, 0],
+     radius: 0.3}
+outputs:
+  - {name: x, position: disc, component: x}
+  - {name: y, position: disc, component: y}
+  - {name: z, position: disc, component: z}
+  - {name: vx, velocity: disc, component: x}
+  - {name: vy, velocity: disc, component: y}
+simulation: {step: 0.002}
+)yaml";
+
+constexpr const char* skate = R"yaml(
+bodies: {blade: {mass: 1, com: [0, 0, 0.3], inertia: [0.0225, 0.045, 0.0225]}}
+joints: {free: {type: floating, between: [ground, blade], velocity: [0.6, 0, 0, 0.5, 2, 1]}}
+constraints: {edge: {type: knife_edge, between: [ground, blade], at: [0, 0, 0.3], axis: [0, 1, 0]}}
+outputs:
+  - {name: x, position: blade, component: x}
+  - {name: y, position: blade, component: y}
+  - {name: z, position: blade, component: z}
+  - {name: vx, velocity: blade, component: x}
+  - {name: vy, velocity: blade, component: y}
+simulation: {step: 0.002}
+)yaml";
+
+constexpr const char* wheel_on_a_bar = R"yaml(
+materials: {plastic: {young: 2e9, poisson: 0.3, density: 1200}}
+sections: {rod: {type: round, diameter: 0.02}}
+bodies:
+  bar:
+    frame: {at: [0, 0, 0.3], x: [0, 1, 0], y: [-1, 0, 0]}
+    flexible:
+      material: plastic
+      section: rod
+      nodes: {root: [0, 0, 0.3], tip: [0, 0.5, 0.3]}
+      bars: {bar: {from: root, to: tip, elements: 4}}
+      clamped: [root]
+      static_modes: [{node: tip, all: true}]
+      dynamic_modes: 2
+      stiffness_damping: 1e-3
+joints:
+  pivot: {type: universal, between: [ground, bar], at: [0, 0, 0.3], axis: [0, 0, 1], axis2: [0, 1, 0]}
+constraints:
+  wheel:
+    {type: rolling, between: [ground, bar], at: [[0, 0.5, 0], [0, 0.5, 0.3]], axis: [0, 0, 1],
+     axis2: [0, 1, 0], radius: 0.3}
+inputs: {push: 1}
+loads: {push: {on: bar, at: [0, 0.5, 0.3], force: [2, 0, -0.5], scale: push}}
+outputs:
+  - {name: x, position: bar.tip, component: x}
+  - {name: y, position: bar.tip, component: y}
+  - {name: z, position: bar.tip, component: z}
+  - {name: bent, modal_amplitude: bar, component: 6}
+simulation: {step: 0.002}
+)yaml";
+
+INSTANTIATE_TEST_SUITE_P(Constraints, GeneratedCodeOfRates,
+                         testing::Values(Rolls{"leaning_disc", leaning_disc}, Rolls{"skate", skate},
+                                         Rolls{"wheel_on_a_bar", wheel_on_a_bar}),
+                         [](const testing::TestParamInfo<Rolls>& c) { return std::string(c.param.name); });
+
 TEST(GeneratedCode, CompilesWithClang) {
   if (std::system("command -v clang > /dev/null 2>&1") != 0) GTEST_SKIP() << "there is no clang";
   const GeneratedCode code = generate_code(example("iltis/suspension.yaml"), {}, "suspension");
