@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "compile/element_name.h"
-#include "dynamics/geometric.h"
 #include "forces/surfaces/table.h"
 #include "portable/continuous_rates.h"
 #include "signals/blocks/table.h"
@@ -39,16 +38,20 @@ class Refusals {
 
  private:
   void add_of_bodies() {
-    if (geometric::has_loads_of_inertia(m_))
-      add("code is not made of bodies that loads of inertia stiffen: take stiffening: none");
-    for (const BodyData& b : m_.bodies)
-      if (b.elastodynamic) {
-        const spec::Body& body = m_.spec().bodies[static_cast<std::size_t>(b.spec)];
+    for (const BodyData& b : m_.bodies) {
+      if (b.modes == 0) continue;
+      const spec::Body& body = m_.spec().bodies[static_cast<std::size_t>(b.spec)];
+      if (m_.flexible[static_cast<std::size_t>(b.flexible)].geometric.inertial > 0)
+        add(body.mark,
+            fmt::format("body '{}' is stiffened by loads of inertia, of which code is not made; take "
+                        "stiffening: linear, or an FMU with the library (mimbre fmu --library)",
+                        body.name));
+      if (b.elastodynamic)
         add(body.mark,
             fmt::format("body '{}' bends by linear elastodynamics, of which code is not made; take "
-                        "flexibility: floating_frame, or an FMU with the library",
+                        "flexibility: floating_frame, or an FMU with the library (mimbre fmu --library)",
                         body.name));
-      }
+    }
     for (const FlexibleData& f : m_.flexible)
       if (f.absolute()) {
         add("code is not made of beams by absolute nodal coordinates; take modes");

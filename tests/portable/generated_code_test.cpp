@@ -321,6 +321,17 @@ joints: {free: {type: floating, between: [ground, top]}}
     EXPECT_NE(std::string(error.what()).find("body 'rod' bends by linear elastodynamics"), std::string::npos)
         << error.what();
   }
+  try {
+    generate_code(example("slider-crank/slider-crank.yaml", {{"approach", "geometric_stiffness"}}), {},
+                  "crank");
+    ADD_FAILURE() << "code of a body that loads of inertia stiffen";
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("body 'rod' is stiffened by loads of inertia"), std::string::npos) << text;
+    EXPECT_NE(text.find("take stiffening: linear, or an FMU with the library (mimbre fmu --library)"),
+              std::string::npos)
+        << text;
+  }
   EXPECT_THROW(generate_code(example("tutorial/pendulum.yaml"), {}, "no name"), InputError);
   EXPECT_THROW(generate_code(example("tutorial/pendulum.yaml"), {}, "double"), InputError);
 }
