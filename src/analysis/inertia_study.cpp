@@ -85,8 +85,7 @@ class Study {
     };
     for (const std::string& name : options_.outputs) add(simulation.channel(name).index);
     if (options_.outputs.empty())
-      for (int k = 0; k < simulation.output_count(); ++k)
-        if (channels[static_cast<std::size_t>(k)].determined) add(k);
+      for (int k = 0; k < simulation.output_count(); ++k) add(k);
     if (!channels_.empty()) return;
     for (std::size_t k = 0; k < channels.size(); ++k)
       if (channels[k].name.starts_with("joint.") && (channels[k].unit == "m" || channels[k].unit == "rad"))

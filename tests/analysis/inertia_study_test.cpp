@@ -101,6 +101,61 @@ TEST(InertiaStudy, KeepsTheErrorThatIsAllowed) {
   EXPECT_GT(before, 5u);
 }
 
+/// A plane four-bar of revolute joints in space: its reactions are the smallest of those that balance the
+/// forces, which is a choice and no arbitrary value. Their errors count as those of other outputs do.
+TEST(InertiaStudy, ComparesReactionsOfRedundantLoops) {
+  const auto model = model_of(R"yaml(
+materials: {alloy: {young: 7e10, poisson: 0.3, density: 2700}}
+sections: {rod: {type: round, diameter: 0.012}}
+bodies:
+  crank: {mass: 0.5, com: [0, 0, 0.1], inertia: [0.002, 0.002, 0.0001]}
+  coupler:
+    frame: {at: [0, 0, 0.2], x: [0.6, 0, 0.3], y: [0, 1, 0]}
+    flexible:
+      material: alloy
+      section: rod
+      nodes: {a: [0, 0, 0.2], b: [0.6, 0, 0.5]}
+      bars: {bar: {from: a, to: b, elements: 8}}
+      clamped: [a]
+      static_modes: [{node: b, along: [0.6, 0, 0.3]}, {node: b, along: [-0.3, 0, 0.6]}]
+      planar: [0, 1, 0]
+      dynamic_modes: 3
+      stiffness_damping: 1e-5
+  rocker: {mass: 1, com: [0.6, 0, 0.25], inertia: [0.02, 0.02, 0.0005]}
+joints:
+  motor:
+    type: revolute
+    between: [ground, crank]
+    at: [0, 0, 0]
+    axis: [0, 1, 0]
+    drive: {position: "2*pi*(t - 0.5*(1 - exp(-2*t)))"}
+  p1: {type: revolute, between: [crank, coupler], at: [0, 0, 0.2], axis: [0, 1, 0]}
+  p2: {type: revolute, between: [ground, rocker], at: [0.6, 0, 0], axis: [0, 1, 0]}
+  p3: {type: revolute, between: [coupler, rocker], at: [0.6, 0, 0.5], axis: [0, 1, 0], cut: always}
+outputs:
+  - {name: rocker, joint: p2}
+  - {name: torque, joint_force: motor, component: my}
+  - {name: fz, joint_force: p2, component: fz}
+simulation: {step: 1e-3, end: 1.5, output_interval: 1e-2}
+)yaml");
+  const spec::Model& full = model->spec();
+  const InertiaStudy study = study_of(full, 1e-3);
+  EXPECT_EQ(study.outputs, (std::vector<std::string>{"rocker", "torque", "fz"}));
+  const double found = error_of(full, with_choice(full, study));
+  EXPECT_LE(found, 1e-3);
+  EXPECT_NEAR(study.error, found, 1e-3 * found + 1e-12);
+  // Without all terms the angle is right, and a reaction is not.
+  InertiaTerms all;
+  for (int k = 0; k < inertia_term_count; ++k) all.add(static_cast<InertiaTerm>(k));
+  spec::Model without = full;
+  without.bodies[1].neglected = all;
+  EXPECT_GT(error_of(full, without), 0.02);
+  spec::Model angle = full;
+  angle.outputs.resize(1);
+  without.outputs.resize(1);
+  EXPECT_LT(error_of(angle, without), 1e-4);
+}
+
 /// Turned about z: what bends the bar is the angular acceleration, and what softens it is the centrifugal
 /// force by its deflection; none of its modes stretches it.
 TEST(InertiaStudy, KnowsWhatMatters) {

@@ -58,10 +58,12 @@ std::string tables_of(const TermsArguments& a, const InertiaStudy& s, double ask
                 body.neglected.empty() ? "-" : fmt::format("{}", fmt::join(names_of(body.neglected), ", "))});
   std::string text = fmt::format("{}\n{}\n", terms.text(), bodies.text());
   text += fmt::format(
-      "{} outputs are off by up to {} % of their ranges{} (asked {} %); a step takes {:.2f} of "
-      "the time, without all terms {:.2f}; {} runs\n",
-      s.outputs.size(), in_percent(s.error), s.worst.empty() ? "" : fmt::format(", '{}'", s.worst),
-      in_percent(asked), s.cost, s.cost_without_any, s.runs);
+      "{} off by up to {} % of {}{} (asked {} %); a step takes {:.2f} of the time, without all terms {:.2f}; "
+      "{} runs\n",
+      s.outputs.size() == 1 ? "1 output is" : fmt::format("{} outputs are", s.outputs.size()),
+      in_percent(s.error), s.outputs.size() == 1 ? "its range" : "their ranges",
+      s.worst.empty() ? "" : fmt::format(", '{}'", s.worst), in_percent(asked), s.cost, s.cost_without_any,
+      s.runs);
   if (!a.output.empty()) text += fmt::format("{}: the model without these terms\n", a.output);
   return text;
 }
