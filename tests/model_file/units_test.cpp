@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <array>
+#include <cmath>
 
 #include <numbers>
 #include <sstream>
@@ -132,6 +133,52 @@ TEST(Units, ThatDoNotFitAreToldWithTheOneThatDoes) {
   EXPECT_THAT(complaint("5 furlongs", quantity::length), HasSubstr("'furlongs' is no unit"));
   EXPECT_THAT(complaint("2 pi", quantity::angle), HasSubstr("an operator is missing before 'pi'"));
   EXPECT_THAT(complaint("1 m < 2 kg ? 1 m : 2 m", quantity::length), HasSubstr("cannot be compared"));
+}
+
+TEST(Units, InPowersAndFunctionsAreChecked) {
+  const auto wrong = [](const std::string& text, const std::string& message, const Quantity& of) {
+    EXPECT_THAT(complaint(text, of), HasSubstr(message)) << text;
+  };
+  const Quantity number = quantity::number, length = quantity::length;
+  wrong("2^3 mm", "'2^3 mm': the exponent '3 mm' is in m; an exponent is a number", length);
+  wrong("2^(3 kg)", "the exponent '(3 kg)' is in kg", number);
+  wrong("2 + 5*2^-3 s", "the exponent '-3 s' is in s", number);
+  wrong("sin(3 mm)", "the argument of sin '3 mm' is in m; a number or an angle is needed there", number);
+  wrong("exp(1 kg)", "the argument of exp '1 kg' is in kg", number);
+  wrong("log(2 m)", "the argument of log '2 m' is in m", number);
+  wrong("1 m*cos(2 rad/s)", "the argument of cos '2 rad/s' is in rad/s", length);
+  wrong("rint(3.2 mm)", "the argument of rint '3.2 mm' is in m", number);
+  wrong("atan2(1 m, 1 kg)", "m and kg cannot be arguments of one atan2", number);
+  wrong("max(1 m, 1 kg)", "m and kg cannot be arguments of one max", length);
+  wrong("1 m && 1 kg", "the condition '1 m' is in m; a condition compares", number);
+  wrong("1 < 2 || 3 kg", "the condition '3 kg' is in kg", number);
+  wrong("5 mm ? 1 m : 2 m", "the condition '5 mm' is in m", length);
+  wrong("1 m < 2 m && 1 s > 2 kg", "s and kg cannot be compared", number);
+  wrong("sqrt(4 m^2)", "is in m; a number without unit is needed", number);
+}
+
+/// Written in SI by hand.
+TEST(Units, InPowersAndFunctionsThatFit) {
+  EXPECT_DOUBLE_EQ(value("(2^3)*1 mm", quantity::length), 0.008);
+  EXPECT_DOUBLE_EQ(value("1 m*2^(1 m/(2 m))", quantity::length), std::sqrt(2.0));
+  EXPECT_DOUBLE_EQ(value("(2 mm)^2*(3 mm)^-1", quantity::length), 4e-6 / 3e-3);
+  EXPECT_DOUBLE_EQ(value("exp(0.3*180 deg)", quantity::number), std::exp(0.3 * pi));
+  EXPECT_DOUBLE_EQ(value("exp(-(3 s - 2 s)/0.5 s)", quantity::number), std::exp(-2.0));
+  EXPECT_DOUBLE_EQ(value("atan2(1 m, 10 cm)", quantity::angle), std::atan2(1, 0.1));
+  EXPECT_DOUBLE_EQ(value("sqrt(4 mm^2)", quantity::length), 0.002);
+  EXPECT_DOUBLE_EQ(value("sqrt(2*9.81 m/s^2*1 m)", quantity::speed), std::sqrt(19.62));
+  EXPECT_DOUBLE_EQ(value("1 m < 2 m && 1 s < 2 s ? 3 mm : 4 mm", quantity::length), 0.003);
+  EXPECT_EQ(value("sign(-3 mm)*2", quantity::number), -2);
+  // What has no unit beside it is SI.
+  const auto law = [](const std::string& text) {
+    const std::vector<Variable> variables = variables_of(LawOf::all);
+    return substitute_parameters(text, Scope{}, variables, quantity::force);
+  };
+  EXPECT_NO_THROW(law("5 N*sin(2*t)*exp(-l) + 2 N"));
+  EXPECT_NO_THROW(law("l > 2 cm && v < 0 ? 5 N : 0"));
+  EXPECT_NO_THROW(law("5 N*sin(3 rad/s*t)"));
+  EXPECT_THROW(law("5 N*sin(t + 1 s)"), ExpressionError);
+  EXPECT_THROW(law("l > 2 s && v < 0 ? 5 N : 0"), ExpressionError);
 }
 
 /// `m`, `g`, `s` are names that parameters have.

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cctype>
 #include <cstdlib>
 #include <string_view>
@@ -18,6 +20,22 @@ struct Measure {
 };
 constexpr Measure unknown{Measure::unknown, {}};
 
+/// Functions whose value is in the unit of their arguments, and those of an argument in any unit; all others
+/// take numbers or angles.
+constexpr std::array<std::string_view, 5> keeping{"abs", "min", "max", "sum", "avg"};
+constexpr std::array<std::string_view, 3> of_any{"sqrt", "sign", "atan2"};
+
+template <std::size_t n>
+bool among(const std::array<std::string_view, n>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Whether the dimension is that of a number, or of an angle.
+bool is_number(Dimension d) {
+  d.radian = 0;
+  return d == Dimension{};
+}
+
 /// Walks an expression by the usual rules of precedence. What it does not understand is left to who
 /// evaluates.
 class DimensionWalk {
@@ -26,7 +44,7 @@ class DimensionWalk {
       : text_(text), scope_(scope), variables_(variables) {}
 
   Measure whole() { return choice(); }
-  bool any_unit() const { return any_unit_; }
+  bool any_unit() const { return units_ > 0; }
 
  private:
   char next() {
@@ -46,25 +64,56 @@ class DimensionWalk {
     return a.kind > b.kind ? a : b;
   }
 
+  std::string text_from(std::size_t start) const {
+    const std::string part = text_.substr(start, at_ - start);
+    const std::size_t first = part.find_first_not_of(" \t\n"), last = part.find_last_not_of(" \t\n");
+    return first == std::string::npos ? part : part.substr(first, last + 1 - first);
+  }
+
+  /// Throws where a part with units in it, which begins at `start` and ends here, should have none.
+  void require_number(const Measure& part, std::size_t start, int units_before, const std::string& what,
+                      const std::string& needs) const {
+    if (part.kind != Measure::known || units_ == units_before || is_number(part.dimension)) return;
+    throw ExpressionError(fmt::format("'{}': {} '{}' is in {}; {}", text_, what, text_from(start),
+                                      to_text(part.dimension), needs));
+  }
+
   Measure choice() {
+    const std::size_t start = at_;
+    const int before = units_;
     const Measure condition = logical();
-    if (!take('?')) return condition;
+    if (next() != '?') return condition;
+    require_number(condition, start, before, "the condition", needed_condition);
+    take('?');
     const Measure yes = choice();
     take(':');
     return joined(yes, choice(), "the two branches of one choice");
   }
 
+  /// Comparisons, joined by && and ||.
   Measure logical() {
-    Measure left = sum();
-    for (;;) {
-      std::string comparing;
-      while (next() != '\0' && std::string_view("<>=!&|").find(next()) != std::string_view::npos)
-        comparing += text_[at_++];
-      if (comparing.empty()) return left;
-      const Measure right = sum();
-      if (comparing != "&&" && comparing != "||") joined(left, right, "compared");
+    std::size_t start = at_;
+    int before = units_;
+    Measure left = comparison();
+    while (next() == '&' || next() == '|') {
+      require_number(left, start, before, "the condition", needed_condition);
+      while (next() == '&' || next() == '|') ++at_;
+      start = at_;
+      before = units_;
+      require_number(comparison(), start, before, "the condition", needed_condition);
       left = {};
     }
+    return left;
+  }
+
+  Measure comparison() {
+    Measure left = sum();
+    while (next() != '\0' && std::string_view("<>=!").find(next()) != std::string_view::npos) {
+      while (next() != '\0' && std::string_view("<>=!").find(next()) != std::string_view::npos) ++at_;
+      joined(left, sum(), "compared");
+      left = {};
+    }
+    return left;
   }
 
   Measure sum() {
@@ -96,7 +145,10 @@ class DimensionWalk {
     if (!take('^')) return base;
     next();
     const std::size_t start = at_;
+    const int before = units_;
     const Measure exponent = factor();
+    require_number(exponent, start, before, "the exponent",
+                   "an exponent is a number; a unit behind it belongs to it, so write (2^3)*1 mm for 8 mm");
     if (base.kind != Measure::known) return base;
     const std::string written = text_.substr(start, at_ - start);
     char* end = nullptr;
@@ -123,7 +175,7 @@ class DimensionWalk {
     at_ = number_end(text_, at_);
     const auto unit = unit_behind(text_, at_, scope_, variables_, quantity::any);
     if (!unit) return {};
-    any_unit_ = true;
+    ++units_;
     at_ = unit->end;
     return {Measure::known, unit->dimension};
   }
@@ -139,23 +191,44 @@ class DimensionWalk {
   }
 
   Measure call(const std::string& function) {
-    Measure all = choice();
-    const bool keeps =
-        function == "abs" || function == "min" || function == "max" || function == "sum" || function == "avg";
-    while (take(',')) {
+    const bool keeps = among(keeping, function);
+    const int units_before = units_;
+    Measure all;
+    bool first = true;
+    do {
+      const std::size_t start = at_;
+      const int before = units_;
       const Measure one = choice();
-      if (keeps) all = joined(all, one, "arguments of one function");
-    }
+      if (!keeps && !among(of_any, function))
+        require_number(one, start, before, fmt::format("the argument of {}", function),
+                       "a number or an angle is needed there");
+      const bool joins = keeps || (function == "atan2" && units_ > units_before);
+      all = first || !joins ? one : joined(all, one, fmt::format("arguments of one {}", function).c_str());
+      first = false;
+    } while (take(','));
     take(')');
     if (keeps) return all;
-    return function == "sqrt" && all.kind != Measure::factor ? unknown : Measure{};
+    return function == "sqrt" ? root(all) : Measure{};
   }
+
+  /// The square root; what has no whole exponents is left to who evaluates.
+  static Measure root(const Measure& of) {
+    if (of.kind != Measure::known) return of;
+    Dimension d = of.dimension;
+    for (int* const exponent : {&d.kilogram, &d.metre, &d.second, &d.radian, &d.ampere}) {
+      if (*exponent % 2 != 0) return unknown;
+      *exponent /= 2;
+    }
+    return {Measure::known, d};
+  }
+
+  static constexpr const char* needed_condition = "a condition compares, for example x > 2 mm";
 
   const std::string& text_;
   const Scope& scope_;
   const std::vector<Variable>& variables_;
   std::size_t at_ = 0;
-  bool any_unit_ = false;
+  int units_ = 0;  ///< that have been read
 };
 
 }  // namespace
