@@ -181,6 +181,14 @@ TEST(Units, InPowersAndFunctionsThatFit) {
   EXPECT_THROW(law("l > 2 s && v < 0 ? 5 N : 0"), ExpressionError);
 }
 
+/// The micro sign (U+00B5) and the Greek letter (U+03BC).
+TEST(Units, HaveMicroInEitherLetter) {
+  for (const std::string micro : {"\u00B5", "\u03BC", "u"}) {
+    EXPECT_EQ(value("12 " + micro + "m", quantity::length), 12e-6);
+    EXPECT_EQ(value("10 " + micro + "s", quantity::time), 1e-5);
+  }
+}
+
 /// `m`, `g`, `s` are names that parameters have.
 TEST(Units, AreNotMistakenForParameters) {
   Scope scope;

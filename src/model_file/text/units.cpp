@@ -35,12 +35,15 @@ constexpr std::array named_units{
     NamedUnit{"cm", 1, 100, m},
     NamedUnit{"km", 1000, 1, m},
     NamedUnit{"um", 1, 1e6, m},
-    NamedUnit{"µm", 1, 1e6, m},
+    NamedUnit{"µm", 1, 1e6, m},  // the micro sign, U+00B5
+    NamedUnit{"μm", 1, 1e6, m},  // the Greek letter, U+03BC
     NamedUnit{"in", 0.0254, 1, m},
     NamedUnit{"ft", 0.3048, 1, m},
     NamedUnit{"s", 1, 1, s},
     NamedUnit{"ms", 1, 1000, s},
     NamedUnit{"us", 1, 1e6, s},
+    NamedUnit{"µs", 1, 1e6, s},
+    NamedUnit{"μs", 1, 1e6, s},
     NamedUnit{"min", 60, 1, s},
     NamedUnit{"h", 3600, 1, s},
     NamedUnit{"rad", 1, 1, rad},
