@@ -13,7 +13,8 @@ std::string accuracy_limits(const Compiled& m) {
   constexpr std::size_t most = 4;
   std::vector<std::string> names;
   for (const ElementData& e : m.elements)
-    if (e.state_count > 0) names.push_back(element_name(m, e));
+    // Turns that an element counts are not integrated.
+    if (law_states(e) > e.own_states) names.push_back(element_name(m, e));
   if (m.signals.clock >= 0) names.push_back("continuous blocks");
   if (!m.signals.integrals.empty()) names.push_back("integrals of signals");
   if (names.empty()) return {};
