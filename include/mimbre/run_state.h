@@ -28,6 +28,10 @@ struct RunState {
 /// The program that is running, as RunState::program.
 std::string this_program();
 
+/// The name that a file of RunState gets when its run comes to its end: `run.part-PID.h5`, which grows beside
+/// an older `run.h5`, becomes `run.h5`. Empty: it has that name already.
+std::string file_when_whole(const std::string& file);
+
 /// Writes the file anew; an older one stands until the new one is whole. Throws std::runtime_error with the
 /// reason.
 void write_run_state(const std::string& path, const RunState& state);

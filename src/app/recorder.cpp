@@ -20,23 +20,27 @@ std::string absolute(const std::string& path) {
   return error ? path : found.lexically_normal().string();
 }
 
-/// Where the rows of a saved run may be: in the file that grew then, or, where the run came to its end
-/// afterwards, in the one that it made.
+/// Where the rows of a saved run may be: in the file that grew then, in the one that it became where the run
+/// came to its end afterwards, and in the target of the run that resumes it.
 std::vector<std::string> places(const std::string& grown, const std::string& target) {
-  std::vector<std::string> all;
-  for (const std::string& path : {grown, target}) {
-    std::error_code error;
-    if (!path.empty() && fs::exists(path, error)) all.push_back(path);
-  }
+  std::vector<std::string> all{grown};
+  for (const std::string& path : {file_when_whole(grown), absolute(target)})
+    if (!path.empty() && std::find(all.begin(), all.end(), path) == all.end()) all.push_back(path);
   return all;
 }
 
-[[noreturn]] void refuse(const RunState& saved, const std::string& grown, const std::string& target) {
+[[noreturn]] void refuse(const RunState& saved, const std::vector<std::string>& sought) {
+  // A file that grew beside an older one has another name since the run came to its end.
+  const std::size_t named = file_when_whole(sought.front()).empty() ? 0 : 1;
+  std::string others;
+  for (std::size_t k = 0; k < sought.size(); ++k)
+    if (k != named) others += fmt::format("{}'{}'", others.empty() ? "" : " nor in ", sought[k]);
   throw InputError(
-      Mark{grown, 0, 0},
-      fmt::format("the {} rows that the saved run had recorded until t = {:.6g} s are neither here nor "
-                  "in '{}'; put that file back, or run from the start",
-                  saved.rows.count, saved.snapshot.time, target));
+      Mark{sought[named], 0, 0},
+      fmt::format("the {} rows that the saved run had recorded until t = {:.6g} s are {}; put that "
+                  "file back, or run from the start",
+                  saved.rows.count, saved.snapshot.time,
+                  others.empty() ? "no longer here" : "neither here nor in " + others));
 }
 
 std::vector<ResultsRow> rows_of_results(const std::string& path, std::int64_t count) {
@@ -74,7 +78,10 @@ std::vector<ResultsRow> recorded_rows(const RunState& saved, const RunFiles& fil
   const bool results = !files.results.empty();
   const std::string &grown = results ? saved.results : saved.csv,
                     &target = results ? files.results : files.csv;
-  for (const std::string& path : places(grown, target)) {
+  const std::vector<std::string> sought = places(grown, target);
+  for (const std::string& path : sought) {
+    std::error_code error;
+    if (!fs::exists(path, error)) continue;
     std::vector<ResultsRow> rows =
         results ? rows_of_results(path, saved.rows.count)
                 : rows_of_csv(path, saved.rows.count, files.csv_units ? 2 : 1, outputs);
@@ -82,7 +89,7 @@ std::vector<ResultsRow> recorded_rows(const RunState& saved, const RunFiles& fil
     for (const ResultsRow& row : rows) found.add(row);
     if (found == saved.rows) return rows;
   }
-  refuse(saved, grown, target);
+  refuse(saved, sought);
 }
 
 Recorder::Recorder(const RunFiles& files, const Simulation& simulation, const std::string& options_json)

@@ -6,12 +6,14 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -286,6 +288,17 @@ int hold_abandoned(const fs::path& part, pid_t owner) {
 }
 
 }  // namespace
+
+std::string target_of_part(const std::string& part) {
+  constexpr std::string_view mark = ".part-";
+  const fs::path path(part);
+  const std::string name = path.filename().string();
+  const std::size_t at = name.rfind(mark);
+  if (at == std::string::npos) return {};
+  const std::size_t end = std::min(name.find_first_not_of("0123456789-", at + mark.size()), name.size());
+  const fs::path target = path.parent_path() / (name.substr(0, at) + name.substr(end));
+  return owner_of(name, target) > 0 ? target.string() : std::string();
+}
 
 bool is_kept(const std::string& part, const std::string& target) {
   struct stat of_part {

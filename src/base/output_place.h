@@ -53,6 +53,10 @@ class OutputPlace {
   int own_lock_ = -1;  ///< holds the file that is written, where that is another
 };
 
+/// The target that a file of that name grows for, as OutputPlace names such files: `run.part-PID.h5` grows
+/// for `run.h5` in the same folder. Empty: it is no such name, or one that was cut short.
+std::string target_of_part(const std::string& part);
+
 /// Whether a part of the target may be one that was kept, and which was reported: those have the mode
 /// of the target, and what still grows has one of its own or is empty. True where that cannot be decided.
 bool is_kept(const std::string& part, const std::string& target);

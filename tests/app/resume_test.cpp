@@ -166,6 +166,31 @@ TEST_F(Resume, ARunGoesOnBeyondItsEnd) {
   EXPECT_EQ(whole.summary_json, on.summary_json);
 }
 
+/// While an older file stands, the rows grow in another, which takes its name at the end.
+TEST_F(Resume, ARunThatReplacedAnOlderFileGoesOnIntoAnother) {
+  const Arguments first{"run", "pendulum.yaml", "--until", "1", "--quiet", "--save-state", "state"},
+      on{"run", "pendulum.yaml", "--until", "2", "--quiet", "--resume", "state"};
+  ASSERT_EQ(run({"run", "pendulum.yaml", "--until", "2", "--quiet", "--csv", "whole.csv"}).code, 0);
+  for (const std::string option : {"--csv", "-o"}) {
+    SCOPED_TRACE(option);
+    const std::string end = option == "-o" ? ".h5" : ".csv";
+    fs::remove(folder / "state");
+    for (int k = 0; k < 2; ++k) {
+      const Outcome begun = run(with(first, {option, "out" + end}));
+      ASSERT_EQ(begun.code, 0) << begun.err;
+    }
+    const Outcome resumed = run(with(on, {option, "on" + end}));
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_TRUE(left_over("out.part-").empty());
+    fs::rename(folder / ("out" + end), folder / ("away" + end));
+    const Outcome lost = run(with(on, {option, "on-again" + end}));
+    EXPECT_EQ(lost.code, 1);
+    EXPECT_THAT(lost.err, HasSubstr("/out" + end + ": error: the "));
+    EXPECT_THAT(lost.err, HasSubstr("are neither here nor in "));
+  }
+  EXPECT_TRUE(read_file(folder / "on.csv") == read_file(folder / "whole.csv"));
+}
+
 /// Beyond an event that stops the run, too.
 TEST_F(Resume, ARunGoesOnBehindAnEvent) {
   const std::string once =
@@ -208,7 +233,7 @@ TEST_F(Resume, WhatDoesNotFitIsSaid) {
   fails({"pendulum.yaml", "-o", "state", "--resume", "state"}, 2, "would be overwritten");
   fs::rename(folder / "out.h5", folder / "away.h5");
   fails(with(on, {"--until", "2"}), 1,
-        "the 101 rows that the saved run had recorded until t = 1 s are neither here");
+        "the 101 rows that the saved run had recorded until t = 1 s are no longer here; put that file back");
   EXPECT_FALSE(fs::exists(folder / "out.h5"));
   fs::rename(folder / "away.h5", folder / "out.h5");
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -141,6 +142,13 @@ void require_same_options(const RunArguments& arguments, const RunState& saved) 
                   then.dump(), now.dump(), where.empty() ? where : where.substr(1)));
 }
 
+/// The file that a saved run was writing, under the name that it has now.
+std::string file_of_rows(const std::string& grown) {
+  std::error_code error;
+  const std::string whole = file_when_whole(grown);
+  return whole.empty() || std::filesystem::exists(grown, error) ? grown : whole;
+}
+
 /// Puts a simulation to where a saved run was.
 void resume(const RunArguments& arguments, const RunState& saved, const RunPlan& plan,
             Simulation& simulation) {
@@ -163,7 +171,8 @@ void resume(const RunArguments& arguments, const RunState& saved, const RunPlan&
         then.empty()
             ? fmt::format("the saved run had no {}, so that its first rows are missing; continue without",
                           option)
-            : fmt::format("the saved run had {}; give it here as well (its rows are in '{}')", option, then));
+            : fmt::format("the saved run had {}; give it here as well (its rows are in '{}')", option,
+                          file_of_rows(then)));
   };
   same_files("--output", arguments.output, saved.results);
   same_files("--csv", arguments.csv, saved.csv);

@@ -154,4 +154,6 @@ RunState read_run_state(const std::string& path) {
   return state;
 }
 
+std::string file_when_whole(const std::string& file) { return target_of_part(file); }
+
 }  // namespace mimbre
