@@ -10,8 +10,9 @@
 namespace mimbre {
 
 /// What went wrong in the step to `t`, and where, for people. `jump`: of a step that did not converge the law
-/// that jumps (jumping_law), if any, `meaningless` a body that is bent too far (ValidityMonitor). `stable`:
-/// of one too long for an explicit integrator the longest stable step, s; 0: unknown.
+/// that jumps (jumping_law), if any, `meaningless` a body that is bent too far (ValidityMonitor) or a drive
+/// that cannot be followed (explain_drive_limit). `stable`: of one too long for an explicit integrator the
+/// longest stable step, s; 0: unknown.
 std::string explain(const Mechanism& mechanism, const StepReport& report, double t, const std::string& jump,
                     const std::string& meaningless, double stable);
 

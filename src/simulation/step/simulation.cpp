@@ -13,6 +13,7 @@
 #include "base/cpu_time.h"
 #include "integrate/explicit/fastest_motion.h"
 #include "simulation/describe/body_drawings.h"
+#include "simulation/describe/drive_limit.h"
 #include "simulation/describe/element_drawings.h"
 #include "simulation/describe/explain.h"
 #include "simulation/describe/names.h"
@@ -354,6 +355,8 @@ std::string Simulation::explain(const StepReport& report) const {
   if (report.code == StepReport::Code::not_converged) {
     jump = s.law_that_jumps();
     meaningless = s.observers.meaningless();
+    if (jump.empty() && meaningless.empty())
+      meaningless = explain_drive_limit(s.compiled, s.method, s.mechanism.view(), time() + s.steps.length());
   }
   double stable = 0;
   if (report.code == StepReport::Code::unstable && report.part == 0) stable = s.longest_stable_step();
