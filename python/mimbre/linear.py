@@ -446,6 +446,7 @@ def modes(
     find: Sequence[str] | None = None,
     body: str | None = None,
     most: int | None = None,
+    solver: Literal["automatic", "dense", "sparse"] = "automatic",
     inputs: Mapping[str, float] | None = None,
     delay_order: int = 4,
     **method: Unpack[Method],
@@ -453,7 +454,15 @@ def modes(
     """The modes about a point, as `mimbre modes`; see `Model.modes`."""
     word, time, driving = _driven_point(at, hold, find, body)
     found = _core.modes(
-        compiled(model), checked_method(method), word, time, _inputs(inputs), _order(delay_order), _most(most), driving
+        compiled(model),
+        checked_method(method),
+        word,
+        time,
+        _inputs(inputs),
+        _order(delay_order),
+        _most(most),
+        _checks.known("solver of modes", solver, ("automatic", "dense", "sparse")),
+        driving,
     )
     listed = [
         EigenMode(

@@ -368,6 +368,7 @@ class Model:
         find: Sequence[str] | None = None,
         body: str | None = None,
         most: int | None = None,
+        solver: Literal["automatic", "dense", "sparse"] = "automatic",
         inputs: Mapping[str, float] | None = None,
         delay_order: int = 4,
         **method: Unpack[Method],
@@ -380,6 +381,8 @@ class Model:
             find: see `linearise`.
             body: see `linearise`.
             most: so many, of the lowest frequencies; None: all.
+            solver: "dense": all modes; "sparse": the lowest ones of an equilibrium by shift and invert; "automatic":
+                sparse where `most` asks for a few of a large model.
             inputs: see `linearise`.
             delay_order: see `linearise`.
             **method: of a run to a time, see `Method`.
@@ -397,7 +400,16 @@ class Model:
             ```
         """
         return linear.modes(
-            self, at=at, hold=hold, find=find, body=body, most=most, inputs=inputs, delay_order=delay_order, **method
+            self,
+            at=at,
+            hold=hold,
+            find=find,
+            body=body,
+            most=most,
+            solver=solver,
+            inputs=inputs,
+            delay_order=delay_order,
+            **method,
         )
 
     def buckling(

@@ -213,15 +213,19 @@ void bind_linear(nb::module_& module) {
   module.def(
       "modes",
       [](const LoadedModel& loaded, const MethodChoice& method, const std::string& at, double time,
-         const Inputs& inputs, int delay_order, int most, const std::optional<TrimConditions>& driving) {
+         const Inputs& inputs, int delay_order, int most, const std::string& solver,
+         const std::optional<TrimConditions>& driving) {
         ModesOptions options;
         options.linear = options_of(loaded, method, at, time, inputs, delay_order, driving);
         options.most = most;
+        options.solver = solver == "dense"    ? ModesSolver::dense
+                         : solver == "sparse" ? ModesSolver::sparse
+                                              : ModesSolver::automatic;
         options.shapes = true;
         return computed([&] { return find_modes(loaded.model, options); });
       },
       nb::arg("model"), nb::arg("method"), nb::arg("at"), nb::arg("time"), nb::arg("inputs"),
-      nb::arg("delay_order"), nb::arg("most"), nb::arg("driving").none());
+      nb::arg("delay_order"), nb::arg("most"), nb::arg("solver"), nb::arg("driving").none());
 
   nb::class_<TrimResult>(module, "TrimResult")
       .def_ro("body", &TrimResult::body)

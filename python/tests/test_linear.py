@@ -119,6 +119,20 @@ def test_modes_are_those_of_the_program(examples):
         np.testing.assert_array_equal(mode.shape, [complex(*x) for x in other["shape"]])
 
 
+def test_modes_by_either_solver(examples):
+    model = mimbre.Model.from_file(examples / "pendulum/flexible.yaml")
+    dense = model.modes(most=3, solver="dense")
+    sparse = model.modes(most=3, solver="sparse")
+    np.testing.assert_allclose(sparse.values, dense.values, rtol=1e-8)
+    assert any("sparse matrices" in note for note in sparse.notes)
+    assert not any("sparse matrices" in note for note in dense.notes)
+    with pytest.raises(mimbre.InputError, match="solver of modes"):
+        model.modes(solver="iterative")
+    # It has no states, as tyres and bushings have them.
+    with pytest.raises(mimbre.SimulationError, match="sparse solver cannot find these modes"):
+        mimbre.Model.from_file(examples / "double-wishbone/model.yaml").modes(most=4, solver="sparse")
+
+
 def test_modes_of_a_cart(cart):
     (mode,) = cart.modes()
     assert mode.value == pytest.approx(complex(-1, math.sqrt(24)))
