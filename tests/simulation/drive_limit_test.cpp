@@ -52,6 +52,19 @@ TEST_P(DriveLimit, IsNamedWithTheDrive) {
   EXPECT_EQ(s.explain(report), s.explain(report));
 }
 
+/// With a fixed cost the run goes on until the constraints have come apart.
+TEST_P(DriveLimit, IsNamedWithAFixedCost) {
+  RunOptions options;
+  options.formulation = GetParam();
+  options.fixed_cost = true;
+  Simulation s(model_of(crank("t")), options);
+  StepReport report;
+  while (s.time() < 2 && (report = s.step()).ok()) {
+  }
+  ASSERT_FALSE(report.ok());
+  EXPECT_THAT(s.explain(report), HasSubstr("the drive of joint 'crank' cannot be followed there"));
+}
+
 TEST(DriveLimits, AreWhereTheLoopsDoNotClose) {
   Simulation s = simulation_of(crank("t"), Formulation::relative);
   run_to(s, 0.92);

@@ -218,6 +218,11 @@ struct Simulation::Impl {
     if (!jump) jump = find_jumping_law();
     return *jump;
   }
+  /// Of the same: the drives that it could not follow.
+  std::string drive_limit() const {
+    const State& from = mechanism.view();
+    return explain_drive_limit(compiled, method, from, from.time + steps.length());
+  }
   /// Of an explicit integrator, s, at the state; 0: unknown.
   double longest_stable_step() {
     mechanism.enter(0);
@@ -355,8 +360,7 @@ std::string Simulation::explain(const StepReport& report) const {
   if (report.code == StepReport::Code::not_converged) {
     jump = s.law_that_jumps();
     meaningless = s.observers.meaningless();
-    if (jump.empty() && meaningless.empty())
-      meaningless = explain_drive_limit(s.compiled, s.method, s.mechanism.view(), time() + s.steps.length());
+    if (jump.empty() && meaningless.empty()) meaningless = s.drive_limit();
   }
   double stable = 0;
   if (report.code == StepReport::Code::unstable && report.part == 0) stable = s.longest_stable_step();
@@ -364,6 +368,8 @@ std::string Simulation::explain(const StepReport& report) const {
       mimbre::explain(s.mechanism, report, time() + s.steps.length(), jump, meaningless, stable);
   if (report.code == StepReport::Code::not_converged && jump.empty() && meaningless.empty())
     text += explain_contradiction(s.compiled, s.begin.redundancy);
+  if (report.code == StepReport::Code::drifted)
+    if (const std::string limit = s.drive_limit(); !limit.empty()) text += "; " + limit;
   return report.ok() ? text : text + sunk_wheels(s.compiled, s.steps.contacts());
 }
 
