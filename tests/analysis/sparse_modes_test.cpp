@@ -73,6 +73,13 @@ void expect_same(const std::string& text, int most, double tolerance) {
   }
 }
 
+/// Where many coordinates share a mode their number says more than the first of them.
+TEST(SparseModes, SayHowManyShareThem) {
+  const LinearisedModes found = modes_of(row(67, 0), ModesSolver::dense, 1);
+  ASSERT_EQ(found.modes.size(), 1u);
+  EXPECT_THAT(found.modes[0].text, testing::ContainsRegex("others with [0-9.]+ %"));
+}
+
 /// Asked for more modes than there are motions they are those of the motions, though equations bring
 /// directions without inertia.
 TEST(SparseModes, AreNoMoreThanTheMotions) {

@@ -34,7 +34,16 @@ std::string listed(const std::vector<ModeShare>& shares, std::size_t most) {
   std::string text;
   for (std::size_t k = 0; k < shares.size() && k < most; ++k) {
     if (k > 0 && shares[k].share < told) break;
-    text += fmt::format("{}{} {:.0f} %", k > 0 ? ", " : "", shares[k].name, 100 * shares[k].share);
+    const double percent = 100 * shares[k].share;
+    text += k > 0 ? ", " : "";
+    text += percent < 1 ? fmt::format("{} {:.1g} %", shares[k].name, percent)
+                        : fmt::format("{} {:.0f} %", shares[k].name, percent);
+  }
+  // Of many that share it hardly one says anything.
+  if (shares.size() > 1 && shares.front().share < told) {
+    double others = 0;
+    for (std::size_t k = 1; k < shares.size(); ++k) others += shares[k].share;
+    text += fmt::format(" and {} others with {:.3g} %", shares.size() - 1, 100 * others);
   }
   return text;
 }
