@@ -154,7 +154,6 @@ std::optional<PathStep> PathSearch::step(const PathPlace& from, const PathDirect
     std::optional<PathDirection> onward = places_.direction(*next, *tangent);
     if (!onward) continue;
     if (length > corner_length) {
-      why = "the tangent turns there, however short the step";
       if (onward->along(*tangent) < least_likeness) continue;
       if (onward->factor * tangent->factor < 0 && next->unstable == from.unstable) continue;
     }
