@@ -23,6 +23,7 @@ Floats = npt.NDArray[np.float64]
 _motions = ("x", "y", "z", "rx", "ry", "rz")
 _bases = ("craig_bampton", "free_interface", "krylov", "attachment", "modal_truncation")
 _mass_matrices = ("consistent", "lumped")
+_beam_torsions = ("section", "brick")
 _frames = ("tangent", "centre_of_mass", "mean_axis")
 _units = {"SI": (1.0, 1.0, 1.0), "mm": (1e-3, 1e3, 1.0), "in": (0.0254, 175.126835, 1.0)}
 
@@ -219,6 +220,7 @@ def reduce(
     krylov_frequency: float = 0.0,
     effective_mass: float = 0.0,
     mass_matrix: Literal["consistent", "lumped"] = "consistent",
+    beam_torsion: Literal["section", "brick"] = "section",
     damping: float = 0.0,
     geometric_stiffness: bool = False,
     free_modes: int = 10,
@@ -253,6 +255,8 @@ def reduce(
         krylov_frequency: about which the Krylov basis matches the response, Hz.
         effective_mass: only those dynamic modes that reach this share of the body's mass, %.
         mass_matrix: "consistent", or "lumped": masses at the nodes of solids and beams.
+        beam_torsion: the torsion constant of an .inp file's beams: of the "section", or of the "brick" into which CalculiX
+            expands it.
         damping: β of C = β K, s.
         geometric_stiffness: tension and compression change the stiffness.
         free_modes: how many free modes of full and reduced model the validation report compares.
@@ -308,7 +312,10 @@ def reduce(
     options.report = _checks.callback(progress)
     if stress is None and stress_nodes is not None:
         raise InputError("stress_nodes: belongs to `stress`, which is not given")
-    model, given_name = _model(source, stiffness, mass, nodes, dofs, _materials(materials), thickness, density, units)
+    torsion = _index("beam_torsion", beam_torsion, _beam_torsions)
+    model, given_name = _model(
+        source, stiffness, mass, nodes, dofs, _materials(materials), thickness, density, torsion, units
+    )
     if stress is not None:
         options.stress = _stress(model, stress, stress_nodes, _units[units])
     reduction = _core.reduce(model, options, given_name if name is None else _checks.text("name", name))
@@ -324,6 +331,7 @@ def _model(
     materials: dict[str, tuple[float, float, float]],
     thickness: Any,
     density: Any,
+    torsion: int,
     units: str,
 ) -> tuple[_core.FeModel, str]:
     """The finite-element model, and what it may be called."""
@@ -335,9 +343,11 @@ def _model(
         densities = _by_name("density", density)
         depths = {k: factors[0] * t for k, t in _by_name("thickness", thickness or None).items()}
         path = _checks.path("source", source)
-        return _core.read_fe(path, a, b, c, materials, densities, depths, factors), Path(source).stem
+        return _core.read_fe(path, a, b, c, materials, densities, depths, torsion, factors), Path(source).stem
     if density is not None:
         raise InputError("density: is for a file's materials; those of a mesh have their own")
+    if torsion != 0:
+        raise InputError("beam_torsion: is for the beams of an .inp file")
     if source is not None:
         return _mesh(source, materials, thickness), "body"
     if stiffness is None or mass is None or nodes is None:

@@ -86,12 +86,12 @@ std::vector<fe::NamedNumber> numbers_of(const Numbers& given) {
 
 FeModel read(const std::string& path, const std::string& mass, const std::string& nodes,
              const std::string& dofs, const Materials& materials, const Numbers& densities,
-             const Numbers& thicknesses, const Units& units) {
+             const Numbers& thicknesses, int beam_torsion, const Units& units) {
   const nb::gil_scoped_release others_run;
   return checked([&] {
     return FeModel(fe::read_model(path,
                                   {mass, nodes, dofs, materials_of(materials), numbers_of(densities),
-                                   numbers_of(thicknesses)},
+                                   numbers_of(thicknesses), static_cast<fe::BeamTorsion>(beam_torsion)},
                                   {units[0], units[1], units[2]}),
                    units[0]);
   });
@@ -279,7 +279,8 @@ void bind_reduction(nb::module_& module) {
         return list;
       });
   module.def("read_fe", &read, nb::arg("path"), nb::arg("mass"), nb::arg("nodes"), nb::arg("dofs"),
-             nb::arg("materials"), nb::arg("densities"), nb::arg("thicknesses"), nb::arg("units"));
+             nb::arg("materials"), nb::arg("densities"), nb::arg("thicknesses"), nb::arg("beam_torsion"),
+             nb::arg("units"));
   nb::class_<fe::StressMatrix>(module, "StressMatrix", "Stress by displacements as another program has it.");
   module.def("read_stress", &read_stress, nb::arg("model"), nb::arg("path"), nb::arg("nodes"),
              nb::arg("units"));

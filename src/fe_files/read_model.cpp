@@ -116,10 +116,21 @@ void add_thicknesses(SolidMesh& mesh, const std::vector<NamedNumber>& given) {
           "the shells '{}' have no thickness; --thickness [GROUP=]T gives them one, in m", group.name));
 }
 
+/// The torsion constant of a quadratic brick across each section.
+void expand_beams(SolidMesh& mesh) {
+  if (mesh.beams.empty())
+    throw std::invalid_argument("--beam-torsion brick: the file has no beams with sections");
+  for (BeamElement& beam : mesh.beams) {
+    Section& section = beam.section;
+    if (section.Iy > 0 && section.Iz > 0) section.J = 4 * section.Iy * section.Iz / (section.Iy + section.Iz);
+  }
+}
+
 FeModel assembled(const std::string& path, ImportedMesh read, const FeCompanions& companions) {
   add_materials(read.mesh, companions.materials);
   add_densities(read.mesh, companions.densities);
   add_thicknesses(read.mesh, companions.thicknesses);
+  if (companions.beam_torsion == BeamTorsion::brick) expand_beams(read.mesh);
   std::erase_if(read.warnings, [&](const Diagnostic& warning) {
     return !companions.densities.empty() && warning.message.ends_with("has no *DENSITY");
   });
@@ -155,8 +166,11 @@ bool all_exist(const std::vector<std::string>& files) {
 
 FeModel read_model(const std::string& path, const FeCompanions& companions, const FileUnits& units) {
   const std::string ending = lower(fs::path(path).extension().string());
-  if (ending == ".inp" && all_exist(matrices_beside(path)))
-    return model_of(read_calculix_matrices(path, units));
+  const bool matrices = ending == ".inp" && all_exist(matrices_beside(path));
+  if (companions.beam_torsion == BeamTorsion::brick && (ending != ".inp" || matrices))
+    throw std::invalid_argument(
+        "--beam-torsion brick is for beams of an .inp file without matrices beside it");
+  if (matrices) return model_of(read_calculix_matrices(path, units));
   if (find_mesh_format(path)) return assembled(path, read_mesh(path, units), companions);
   if (ending == ".mtx" || ending == ".npz") {
     if (companions.mass.empty() || companions.nodes.empty())

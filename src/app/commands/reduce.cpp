@@ -31,7 +31,8 @@ struct ReduceArguments {
   InterfaceOptions interfaces;
   std::vector<std::string> materials, densities, thicknesses, loads;
   int modes = 10, free_modes = 10;
-  std::string frame = "tangent", units = "SI", basis = "craig_bampton", mass_matrix = "consistent";
+  std::string frame = "tangent", units = "SI", basis = "craig_bampton", mass_matrix = "consistent",
+              beam_torsion = "section";
   double damping = 0, max_frequency = 0, krylov_frequency = 0, effective_mass = 0;
   bool json = false, stiffening = false, no_cache = false;
 };
@@ -107,7 +108,8 @@ fe::FeModel read_input(const ReduceArguments& a) {
   try {
     return fe::read_model(a.input,
                           {a.mass, a.nodes, a.dofs, materials_of(a.materials),
-                           numbers_of("--density", a.densities), numbers_of("--thickness", a.thicknesses)},
+                           numbers_of("--density", a.densities), numbers_of("--thickness", a.thicknesses),
+                           a.beam_torsion == "brick" ? fe::BeamTorsion::brick : fe::BeamTorsion::section},
                           units_of(a.units));
   } catch (const std::invalid_argument& error) {
     const std::string message = error.what();
@@ -345,6 +347,11 @@ void add_file_options(Parser& parser, ReduceArguments& a) {
       .add_option("--mass-matrix", a.mass_matrix,
                   "consistent (default), or lumped: masses at the nodes of solids and beams")
       .choice({"consistent", "lumped"});
+  parser
+      .add_option("--beam-torsion", a.beam_torsion,
+                  "Torsion constant of an .inp file's beams: of the section (default), or of the brick into "
+                  "which CalculiX expands it")
+      .choice({"section", "brick"});
   parser.add_flag("--geometric-stiffness", a.stiffening,
                   "Stiffen the body by forces of inertia, gravity and at its interfaces (solids)");
   parser.add_option("--units", a.units, "Of the file: SI (default), mm (mm, tonnes, s), in (inch, lbf, s)")
