@@ -622,7 +622,7 @@ def of_mimbre(program, path, mesh, modes):
     nodes = path.with_suffix(".txt")
     nodes.write_text("\n".join(map(str, first[2][: 3 if first[0].startswith("C3D") else 1])))
     command = [program, "reduce", str(path), "--interface", f"end=nodes:{nodes}", "--no-cache"]
-    command += mesh.options + ["--json", "--modes", "4", "--free-modes", str(modes), "-o", str(path.with_suffix(".h5"))]
+    command += [*mesh.options, "--json", "--modes", "4", "--free-modes", str(modes), "-o", str(path.with_suffix(".h5"))]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode not in (0, 4):
         errors = [row for row in done.stderr.splitlines() if "error" in row] or ["?"]

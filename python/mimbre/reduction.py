@@ -255,8 +255,8 @@ def reduce(
         krylov_frequency: about which the Krylov basis matches the response, Hz.
         effective_mass: only those dynamic modes that reach this share of the body's mass, %.
         mass_matrix: "consistent", or "lumped": masses at the nodes of solids and beams.
-        beam_torsion: the torsion constant of an .inp file's beams: of the "section", or of the "brick" into which CalculiX
-            expands it.
+        beam_torsion: the torsion constant of an .inp file's beams: of the "section", or of the "brick" into which
+            CalculiX expands it.
         damping: β of C = β K, s.
         geometric_stiffness: tension and compression change the stiffness.
         free_modes: how many free modes of full and reduced model the validation report compares.

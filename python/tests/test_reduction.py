@@ -285,3 +285,23 @@ def test_bases_and_mass_matrices(mesh):
     assert (lumped.frequencies < few.frequencies).all()
     with pytest.raises(mimbre.InputError, match="consistent, lumped"):
         reduced(mesh, mass_matrix="lump")
+
+
+def test_beams_twist_as_the_bricks_of_calculix(mesh, tmp_path):
+    """A square bar whose sections cannot warp: torsion waves have the speed of shear waves."""
+    lines = ["*NODE", *(f"{k + 1}, {k / 40}, 0, 0" for k in range(41)), "*ELEMENT, TYPE=B32R, ELSET=E"]
+    lines += [f"{k + 1}, {2 * k + 1}, {2 * k + 2}, {2 * k + 3}" for k in range(20)]
+    lines += ["*MATERIAL, NAME=S", "*ELASTIC", "2.1e11, 0.3", "*DENSITY", "7850"]
+    lines += ["*BEAM SECTION, ELSET=E, MATERIAL=S, SECTION=RECT", "0.1, 0.1", "0, 0, 1", ""]
+    deck = tmp_path / "bar.inp"
+    deck.write_text("\n".join(lines))
+
+    def nearest(torsion):
+        body = mimbre.reduce(deck, interfaces={"end": [1]}, modes=2, free_modes=7, beam_torsion=torsion)
+        return np.abs(body.free_frequencies / (np.sqrt(2.1e11 / 2.6 / 7850) / 2) - 1).min()
+
+    assert nearest("brick") < 3e-4
+    assert nearest("section") > 0.02
+    for source, torsion, said in ((mesh, "brick", "an .inp file"), (deck, "bricks", "did you mean 'brick'")):
+        with pytest.raises(mimbre.InputError, match=said):
+            mimbre.reduce(source, interfaces={"end": [1]}, beam_torsion=torsion)
