@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "mimbre/reduced_body.h"
+#include "model_file/sections/kept_reductions.h"
 #include "model_file/text/builder.h"
 
 namespace mimbre::model_file {
@@ -22,13 +23,15 @@ bool same(const FlexibleDescription& a, const FlexibleDescription& b) {
   for (std::size_t k = 0; k < a.mesh.elements.size(); ++k) {
     const auto &e = a.mesh.elements[k], &f = b.mesh.elements[k];
     const auto numbers = [](const fe::BeamElement& x) {
-      return std::array{x.section.area,   x.section.Iy,       x.section.Iz,
-                        x.section.J,      x.section.shear_y,  x.section.shear_z,
-                        x.material.young, x.material.poisson, x.material.density};
+      return std::array{x.section.area,    x.section.Iy,       x.section.Iz,
+                        x.section.J,       x.section.shear_y,  x.section.shear_z,
+                        x.section.reach_y, x.section.reach_z,  x.section.torsion_modulus,
+                        x.material.young,  x.material.poisson, x.material.density};
     };
-    if (e.nodes != f.nodes || e.theory != f.theory || !near(e.offsets[0], f.offsets[0], size) ||
-        !near(e.offsets[1], f.offsets[1], size) || !near(e.y_direction, f.y_direction, 1) ||
-        numbers(e) != numbers(f) || (a.options.sections && e.bar != f.bar))
+    if (e.nodes != f.nodes || e.theory != f.theory || e.section.round != f.section.round ||
+        !near(e.offsets[0], f.offsets[0], size) || !near(e.offsets[1], f.offsets[1], size) ||
+        !near(e.y_direction, f.y_direction, 1) || numbers(e) != numbers(f) ||
+        (a.options.sections && e.bar != f.bar))
       return false;
   }
   for (std::size_t k = 0; k < a.options.boundary.size(); ++k) {
@@ -77,10 +80,15 @@ void reduce_bodies(Builder& builder) {
       return;
     }
     try {
-      auto reduced = std::make_shared<ReducedBody>(make_reduced(*description));
-      reduced->name = body.name;
-      reduced->line_radius = description->line_radius;
-      body.flexible = std::move(reduced);
+      const std::string content = content_of(*description, body.name);
+      body.flexible = find_reduced(content);
+      if (!body.flexible) {
+        auto reduced = std::make_shared<ReducedBody>(make_reduced(*description));
+        reduced->name = body.name;
+        reduced->line_radius = description->line_radius;
+        body.flexible = std::move(reduced);
+        keep_reduced(content, body.flexible);
+      }
       done.emplace_back(&*description, body.flexible);
     } catch (const std::invalid_argument& e) {
       builder.errors.add(description->mark, fmt::format("{}: {}", description->what, e.what()));
