@@ -258,6 +258,7 @@ struct Constraint {
   std::map<std::string, double> numbers{};
   std::vector<Eigen::Vector3d> points{};  ///< of a curve
   bool closed = false;
+  std::string road{};  ///< that is rolled on: between the ground and a wheel
   std::string in{};
 };
 

@@ -336,6 +336,7 @@ struct Constraint {
   /// Of a curve, in the axes of frame a: the cubic spline through them over the length of its chords.
   std::vector<Eigen::Vector3d> points;
   bool closed = false;  ///< the last point is followed by the first; else it goes on straight beyond its ends
+  int road = -1;        ///< of what rolls on one
 };
 
 /// What spheres touch: a solid that a frame carries, given in the axes of that frame. Distances are negative

@@ -320,7 +320,7 @@ class ConstraintTerms(TypedDict, total=False):
 
 class Constraint(TypedDict, total=False):
     # Kind: of coordinates of joints (the first four), or of two bodies.
-    type: Required[Literal["coupling", "gear", "rack", "differential", "distance", "on_line", "on_plane", "on_curve", "parallel", "perpendicular", "constant_velocity", "screw", "orientation", "rolling", "knife_edge"]]
+    type: Required[Literal["coupling", "gear", "rack", "differential", "distance", "on_line", "on_plane", "on_curve", "parallel", "perpendicular", "constant_velocity", "screw", "orientation", "rolling", "rolling_on_road", "knife_edge"]]
     # Of a gear the two, of a rack pinion and rack, of a differential cage, left and right.
     joints: Sequence[str]
     # Of each of the joints which of its coordinates, where they have several.
@@ -345,10 +345,14 @@ class Constraint(TypedDict, total=False):
     # Two bodies, frames or nodes.
     between: Between
     # Where it acts, m, global: one place; of a distance two, one of each body; of rolling a point of the
-    # plane and the wheel's centre.
+    # plane and the wheel's centre; on a road the wheel's centre.
     at: Sequence[Number | Vector | None] | Array
+    # Of rolling on a road: the wheel, a body or a frame whose z axis is the wheel's.
+    on: str
+    # That is rolled on, over a grid.
+    road: str
     # On the first, global: direction of a line, a plane's normal, an axis, a shaft; of a knife edge, on
-    # the second: across the edge.
+    # the second: across the edge; of rolling on a road the wheel's axis.
     axis: Vector
     # On the second, likewise; of rolling the wheel's axis; default but for perpendicular axes: `axis`.
     axis2: Vector

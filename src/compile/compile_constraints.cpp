@@ -77,6 +77,12 @@ void add_constraint(Compiled& m, int k) {
     else
       c.numbers.append(s.numbers.begin(), s.numbers.end());
   }
+  if (info.on_road) {
+    const spec::Pose ground = global_pose(m, s.frame_a);
+    c.road = s.road;
+    c.numbers.append(ground.position.begin(), ground.position.end());
+    c.numbers.append(ground.rotation.data(), ground.rotation.data() + 9);
+  }
   find_paths(m, c);
   c.jacobian = add_jacobian(m, c.path, c.count);
   c.covectors = m.constraint_covectors;

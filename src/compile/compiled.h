@@ -222,6 +222,7 @@ struct ConstraintData : EquationRows {
   int covectors = 0;  ///< first of count × terms in the workspace, those of one equation next to each other
   Array<double> numbers;  ///< of its kind
   SpaceCurve curve;
+  int road = -1;                    ///< that it is on
   int states = 0, state_count = 0;  ///< among the model's: turns, or the place on the curve
   int next_states = 0;              ///< likewise in the workspace
 

@@ -16,6 +16,7 @@ struct EquationContext {
   T* next;          ///< and at its end
   /// s: what an equation of velocities alone takes times its rate for its value (System::set_rate_time).
   double rate_time = 0;
+  const RoadData* road = nullptr;  ///< of a constraint on one
 
   T number(int k) const { return T(data.numbers[k]); }
 };

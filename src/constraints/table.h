@@ -12,6 +12,7 @@
 #include "constraints/parallel.h"
 #include "constraints/perpendicular.h"
 #include "constraints/rolling.h"
+#include "constraints/rolling_on_road.h"
 #include "constraints/screw.h"
 
 /// The kinds of constraints. A new one is a file like screw.h and its name in this list.
@@ -21,7 +22,7 @@ template <class... Kinds>
 struct KindList {};
 /// In the order of ConstraintData::kind.
 using Kinds = KindList<Coupling, Distance, OnLine, OnPlane, OnCurve, Parallel, Perpendicular,
-                       ConstantVelocity, Screw, Orientation, Rolling, KnifeEdge>;
+                       ConstantVelocity, Screw, Orientation, Rolling, RollingOnRoad, KnifeEdge>;
 
 /// The equations of one term of a constraint: `equations` of its kind; of a coupling the term's share.
 template <class T>

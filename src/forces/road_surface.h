@@ -128,6 +128,42 @@ Place<T> place(const RoadData& road, double footprint, const T& x, const T& y, c
   return at;
 }
 
+/// Second derivatives of a road's height over x and y.
+template <class T>
+struct Curvature {
+  T xx, xy, yy;
+};
+inline Curvature<double> curvature(const RoadData& road, double x, double y) {
+  const Height h = height(road, 0, x, y);
+  return {h.xx, h.xy, h.yy};
+}
+/// Its own derivatives, which a grid does not know, by differences over a hundredth of its spacing.
+inline Curvature<Dual> curvature(const RoadData& road, const Dual& x, const Dual& y) {
+  const Curvature<double> at = curvature(road, x.value, y.value);
+  const double length = std::hypot(x.derivative, y.derivative);
+  if (!(length > 0)) return {at.xx, at.xy, at.yy};
+  const double width = 0.01 * std::min(road.spacing[0], road.spacing[1]) / length;
+  const Curvature<double> next =
+                              curvature(road, x.value + width * x.derivative, y.value + width * y.derivative),
+                          last =
+                              curvature(road, x.value - width * x.derivative, y.value - width * y.derivative);
+  const auto with = [&](double Curvature<double>::*part) {
+    return Dual(at.*part, (next.*part - last.*part) / (2 * width));
+  };
+  return {with(&Curvature<double>::xx), with(&Curvature<double>::xy), with(&Curvature<double>::yy)};
+}
+template <int N>
+Curvature<Pack<N>> curvature(const RoadData& road, const Pack<N>& x, const Pack<N>& y) {
+  Curvature<Pack<N>> out;
+  for (int i = 0; i < N; ++i) {
+    const Curvature<double> lane = curvature(road, x[i], y[i]);
+    out.xx[i] = lane.xx;
+    out.xy[i] = lane.xy;
+    out.yy[i] = lane.yy;
+  }
+  return out;
+}
+
 template <class T>
 Vec3<T> normal(const Place<T>& at) {
   using std::sqrt;

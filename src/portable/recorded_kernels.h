@@ -7,6 +7,9 @@ template <class T>
 struct Place;
 /// Before the kernel that calls it.
 Place<Recorded> place(const RoadData& road, double footprint, const Recorded& x, const Recorded& y);
+template <class T>
+struct Curvature;
+Curvature<Recorded> curvature(const RoadData& road, const Recorded& x, const Recorded& y);
 }  // namespace mimbre::roads
 
 #include "forces/road_surface.h"
@@ -43,6 +46,9 @@ inline Touch<Recorded> Mesh::touch<Recorded>(const SurfaceData&, const Vec3<Reco
 }  // namespace surfaces
 
 namespace roads {
+inline Curvature<Recorded> curvature(const RoadData&, const Recorded&, const Recorded&) {
+  throw NotRecordable("has wheels that roll on a road without slip");
+}
 inline Place<Recorded> place(const RoadData& road, double footprint, const Recorded& x, const Recorded& y) {
   if (road.over == spec::Road::Over::time) return {0, 0, 0, road.friction};
   const std::vector<Recorded> parts =

@@ -58,6 +58,11 @@ class Refusals {
         break;
       }
     for (const ConstraintData& c : m_.constraints)
+      if (c.road >= 0) {
+        const auto& of = m_.spec().constraints[static_cast<std::size_t>(c.spec)];
+        add(of.mark, fmt::format("constraint '{}' rolls on a road, which code does not", of.name));
+      }
+    for (const ConstraintData& c : m_.constraints)
       if (c.state_count > 0) {
         const auto& of = m_.spec().constraints[static_cast<std::size_t>(c.spec)];
         add(of.mark,

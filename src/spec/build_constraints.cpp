@@ -53,6 +53,7 @@ void make_sides(Addition& addition, const std::string& name, const ConstraintInf
       place[k] = addition.point("at", *given.at[k]);
     }
   }
+  if (info.on_road && sides[0].body == spec::ground && !place[0]) place[0] = Eigen::Vector3d::Zero();
   if (!info.two_places)
     for (int k = 0; k < 2; ++k)
       if (!place[k]) place[k] = place[1 - k];
@@ -125,6 +126,7 @@ void ModelBuilder::add_constraint(const std::string& name, const build::Constrai
   } else {
     make_sides(addition, name, info, given, made);
   }
+  if (!given.road.empty()) made.road = addition.find(impl_->roads, "road", given.road);
   addition.commit(impl_->constraints, impl_->model.constraints.size());
   impl_->model.constraints.push_back(std::move(made));
 }

@@ -39,6 +39,7 @@ struct ConstraintInfo {
                              ///< that is named beside a body, else the global ones
   bool two_places = false;   ///< `at` has a place for each frame; else they meet at one
   bool curve = false;        ///< `points`, `closed`
+  bool on_road = false;      ///< `road`, and `on`, of the second frame; the first is the ground's
 
   /// Global axes of both frames by unit vectors along `axis` and `axis2`; none: they are the z axes.
   Axes (*frame_axes)(const Eigen::Vector3d& first, const Eigen::Vector3d& second) = nullptr;

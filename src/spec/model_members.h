@@ -279,8 +279,8 @@ void members(A& archive, Of<spec::Constraint::Term> auto& x) {
 }
 template <class A>
 void members(A& archive, Of<spec::Constraint> auto& x) {
-  auto& [name, mark, type, terms, frame_a, frame_b, numbers, points, closed] = x;
-  archive(name, mark, type, terms, frame_a, frame_b, numbers, points, closed);
+  auto& [name, mark, type, terms, frame_a, frame_b, numbers, points, closed, road] = x;
+  archive(name, mark, type, terms, frame_a, frame_b, numbers, points, closed, road);
 }
 template <class A>
 void members(A& archive, Of<spec::Surface> auto& x) {

@@ -3,6 +3,7 @@
 #include "dynamics/natural/system.h"
 #include "integrate/initial.h"
 #include "math/once/decompositions.h"
+#include "math/turn.h"
 #include "spec/constraint_kind.h"
 #include "support/random_mechanism.h"
 
@@ -32,6 +33,24 @@ void couple(spec::Constraint& c, const spec::Model& model, Random& random) {
   c.numbers = {random.number(-0.1, 0.1)};
 }
 
+/// A gentle grid under a wheel's place, and a frame of the ground.
+void put_on_road(spec::Constraint& c, spec::Model& model, const Vec3d& wheel, Random& random) {
+  spec::Road road;
+  road.name = "road";
+  road.over = spec::Road::Over::grid;
+  road.spacing = {0.5, 0.4};
+  road.origin = wheel.head<2>() - 5 * road.spacing;
+  road.heights = (wheel[2] - c.numbers[0]) * Eigen::MatrixXd::Ones(11, 11);
+  for (double& z : road.heights.reshaped()) z += random.number(-0.02, 0.02);
+  c.road = static_cast<int>(model.roads.size());
+  model.roads.push_back(std::move(road));
+  spec::Frame ground;
+  ground.name = "road";
+  ground.pose = {random.vector(1), turn_by(random.vector(2))};
+  c.frame_a = static_cast<int>(model.frames.size());
+  model.frames.push_back(std::move(ground));
+}
+
 /// Frames at two of the bodies' own frames, the curve through points around the second.
 void join(const ConstraintInfo& info, spec::Constraint& c, spec::Model& model, Random& random) {
   const auto frame_on = [&](int body) {
@@ -51,6 +70,7 @@ void join(const ConstraintInfo& info, spec::Constraint& c, spec::Model& model, R
   const spec::Pose apart = after(inverse(pose(c.frame_a)), pose(c.frame_b));
   const double number = random.number(0.1, 0.5), longer = apart.position.norm() + 0.1;
   c.numbers.assign(info.numbers.size(), info.complete ? longer : number);
+  if (info.on_road) return put_on_road(c, model, pose(c.frame_b).position, random);
   c.closed = random.chance(0.5);
   for (int k = 0; k < 7; ++k) {
     const double angle = 0.9 * k;

@@ -35,7 +35,7 @@ void constrain_bodies(const Compiled& m, const Layout& l, Workspace<T>& w, const
       ScalarEquation<T> equation[constraints::most_equations];
       constraints::equations<T>[c.kind](
           {c, term, motion, known_positions<T>(l, term, q), w.signals.states + c.states,
-           w.constraint_states.data() + c.next_states, w.rate_time},
+           w.constraint_states.data() + c.next_states, w.rate_time, c.road < 0 ? nullptr : &m.roads[c.road]},
           equation);
       for (int r = 0; r < c.count; ++r) {
         w.phi[k + r] += equation[r].value;

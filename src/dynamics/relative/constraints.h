@@ -28,9 +28,10 @@ void constrain_bodies(const Compiled& m, Workspace<T>& w, const T* q, const T* v
       const Motion<T>&A = w.frames[term.frame_a], &B = w.frames[term.frame_b];
       const RelativeMotion<T> motion = relative_motion<T>(A, B);
       ScalarEquation<T> equation[constraints::most_equations];
-      constraints::equations<T>[c.kind]({c, term, motion, nullptr, w.signals.states + c.states,
-                                         w.constraint_states.data() + c.next_states, w.rate_time},
-                                        equation);
+      constraints::equations<T>[c.kind](
+          {c, term, motion, nullptr, w.signals.states + c.states, w.constraint_states.data() + c.next_states,
+           w.rate_time, c.road < 0 ? nullptr : &m.roads[c.road]},
+          equation);
       for (int r = 0; r < c.count; ++r) {
         phi[r] += equation[r].value;
         first[r] += equation[r].rate(motion);

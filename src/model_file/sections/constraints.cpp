@@ -233,6 +233,42 @@ bool read_sides(Builder& builder, const Part& part, const Fields& fields, const 
   return true;
 }
 
+/// Of what rolls on a road: the frame of the wheel, with its axis as z, and one of the ground.
+void read_on_road(Builder& builder, const Part& part, const Value& value, const ConstraintInfo& info,
+                  spec::Constraint& c) {
+  std::vector<std::string> keys{"type", "on", "at", "axis", "road"};
+  for (const LawNumber& number : info.numbers) keys.emplace_back(number.key);
+  const Fields fields(value, keys);
+  if (const auto road = fields.need("road", "track"))
+    if (const auto name = road->word()) c.road = builder.resolve(builder.road_names, part, *name, *road);
+  c.numbers = read_numbers(info.numbers, fields, value, false, false);
+  const auto on = fields.need("on", "wheel");
+  const auto side = on ? resolve_attachment(builder, part, *on) : std::nullopt;
+  const auto at = fields.get("at"), axis = fields.get("axis");
+  const auto triple = at ? at->triple(quantity::length) : std::nullopt;
+  const auto direction = axis ? axis->direction() : std::nullopt;
+  if (!side || (at && !triple) || (axis && !direction)) return;
+  if (side->frame >= 0 && !axis) {
+    c.frame_b = side->frame;
+  } else {
+    if (!axis) return fields.error("'axis' is missing: that of the wheel, for example axis: [0, 1, 0]");
+    if (side->frame < 0 && !at)
+      return fields.error("'at' is missing: the place of the wheel's centre, for example at: [0, 0, 0.3]");
+    const Eigen::Vector3d place =
+        side->frame >= 0 ? builder.global_pose(side->frame).position : part.place.point(*triple);
+    c.frame_b = builder.add_frame_at(
+        c.name + ".b", side->body, place,
+        constraint_axes(info, part.place.vector(*direction), part.place.vector(*direction)).second, *on);
+    builder.claim_end(builder.constraint_names, part, c.name, 'b', on->mark(), c.frame_b);
+  }
+  c.frame_a = builder.add_frame_at(c.name + ".a", spec::ground, Eigen::Vector3d::Zero(),
+                                   Eigen::Matrix3d::Identity(), *on);
+  builder.claim_end(builder.constraint_names, part, c.name, 'a', on->mark(), c.frame_a);
+  ConstraintInfo::Faults faults;
+  if (fields.has("radius")) info.check(c, faults);
+  for (const std::string& fault : faults) fields.error(fault);
+}
+
 void read_between(Builder& builder, const Part& part, const Value& value, const ConstraintInfo& info,
                   spec::Constraint& c) {
   std::vector<std::string> keys{"type", "between", "at"};
@@ -278,6 +314,7 @@ void read_constraint(Builder& builder, const Part& part, const Value& value, spe
   const auto type = static_cast<std::size_t>(*choice);
   if (type < kinds) c.type = types[type];
   const ConstraintInfo& info = constraint_info(find_constraint(c.type));
+  if (info.on_road) return read_on_road(builder, part, value, info, c);
   if (!info.of_coordinates) return read_between(builder, part, value, info, c);
   constexpr std::array readers{read_gear, read_rack, read_differential};
   if (type < kinds)

@@ -41,6 +41,9 @@ void warn_unused(Builder& builder) {
       templates.insert(name);  // an included file may have more than is needed
   for (const spec::Tyre& tyre : builder.model.tyres)
     roads.insert(builder.model.roads[static_cast<std::size_t>(tyre.road)].name);
+  for (const spec::Constraint& constraint : builder.model.constraints)
+    if (constraint.road >= 0)
+      roads.insert(builder.model.roads[static_cast<std::size_t>(constraint.road)].name);
   warn("roads", "road", roads);
   warn("subsystems", "subsystem", templates);
   if (builder.model.outputs.empty())

@@ -48,12 +48,27 @@ void check_frames_of(const spec::Model& model, const CheckedItem& item, const sp
   const bool b = item.index("frame_b", c.frame_b, model.frames.size(), "frames");
   if (!a || !b || !sound_frame(model, c.frame_a) || !sound_frame(model, c.frame_b)) return;
   const int body = model.frames[static_cast<std::size_t>(c.frame_a)].body;
+  if (constraint_info(find_constraint(c.type)).on_road && body != spec::ground)
+    item.error("the first side has to be the ground, whose road it is");
   if (body != model.frames[static_cast<std::size_t>(c.frame_b)].body) return;
   if (body == spec::ground)
     item.error("both sides are the ground; a constraint needs a body");
   else if (!model.bodies[static_cast<std::size_t>(body)].flexible)
     item.error(fmt::format("both sides are on the rigid body '{}'; a constraint needs two bodies",
                            model.bodies[static_cast<std::size_t>(body)].name));
+}
+
+void check_road_of(const spec::Model& model, const CheckedItem& item, const spec::Constraint& c,
+                   const ConstraintInfo& info) {
+  if (!info.on_road) {
+    if (c.road >= 0) item.error(fmt::format("has a road, which a {} has no use for", info.name));
+    return;
+  }
+  if (!item.index("road", c.road, model.roads.size(), "roads")) return;
+  const spec::Road& road = model.roads[static_cast<std::size_t>(c.road)];
+  if (road.over != spec::Road::Over::grid)
+    item.error(
+        fmt::format("road '{}' has no grid: what rolls without slip needs a road over a grid", road.name));
 }
 
 }  // namespace
@@ -72,6 +87,7 @@ void check_constraints(const spec::Model& model, std::vector<Diagnostic>& errors
       check_terms(model, item, c);
     else
       check_frames_of(model, item, c);
+    check_road_of(model, item, c, info);
     check_constraint_numbers(item, c, info);
   }
 }
