@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "compile/compiled.h"
+#include "math/elementary.h"
 #include "math/function_values.h"
 #include "math/rotation.h"
 
@@ -140,7 +141,7 @@ inline Curvature<double> curvature(const RoadData& road, double x, double y) {
 /// Its own derivatives, which a grid does not know, by differences over a hundredth of its spacing.
 inline Curvature<Dual> curvature(const RoadData& road, const Dual& x, const Dual& y) {
   const Curvature<double> at = curvature(road, x.value, y.value);
-  const double length = std::hypot(x.derivative, y.derivative);
+  const double length = mimbre::hypot(x.derivative, y.derivative);
   if (!(length > 0)) return {at.xx, at.xy, at.yy};
   const double width = 0.01 * std::min(road.spacing[0], road.spacing[1]) / length;
   const Curvature<double> next =
