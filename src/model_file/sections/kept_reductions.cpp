@@ -6,6 +6,8 @@
 #include <type_traits>
 #include <unordered_map>
 
+#include "spec/model_members.h"
+
 namespace mimbre::model_file {
 namespace {
 
@@ -80,10 +82,10 @@ class Content {
 
 constexpr std::size_t most_bytes = std::size_t{64} << 20, most_bodies = 256;
 
-/// Doubles of a body: most of its memory.
 std::size_t size_of(const ReducedBody& body) {
-  const auto n = static_cast<std::size_t>(body.modes);
-  return sizeof(double) * (n * n * 16 + n * 64 * (1 + body.frames.size()));
+  archive::Writer writer;
+  writer(body);
+  return writer.take().size();
 }
 
 struct Kept {
@@ -126,8 +128,8 @@ void keep_reduced(const std::string& content, const std::shared_ptr<const Reduce
   const std::lock_guard lock(all.mutex);
   if (bytes > most_bytes / 4 || all.by_content.contains(content)) return;
   all.entries.push_front({content, body, bytes});
-  all.by_content.emplace(all.entries.front().content, all.entries.begin());
   all.bytes += bytes;
+  all.by_content.emplace(all.entries.front().content, all.entries.begin());
   while (all.bytes > most_bytes || all.entries.size() > most_bodies) {
     const Kept::Entry& last = all.entries.back();
     all.bytes -= last.bytes;
