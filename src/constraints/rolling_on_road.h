@@ -74,7 +74,8 @@ struct RollingOnRoad {
 
   /// The contact is where the wheel and the road have parallel tangent planes, one above the other: at (x, y)
   /// with (x, y) = d + ρ(N(x, y)) of the horizontal components, d the wheel's centre. Its rate follows from
-  /// that. Equations, with v = u + ω × ρ the velocity of the wheel's material there:
+  /// that. Where the wheel touches twice, or the search for the contact comes to no end, nothing is a number.
+  /// Equations, with v = u + ω × ρ the velocity of the wheel's material there:
   ///
   ///     vx = vy = 0,  v̇ = u̇ + ω̇ × ρ + ω × ρ̇
   ///     Φ = (d + ρ) · z − h(x, y),  Φ̇ = N · v,  Φ̈ = N · v̇ + Ṅ · v
@@ -113,9 +114,12 @@ struct RollingOnRoad {
       ground = ground_at(*c.road, x, y);
     }
     const Rim<T> rim(ring, crown, e, ground.normal);
+    const T none(std::numeric_limits<double>::quiet_NaN());
+    const Vec3<T> off = d + rim.point() - Vec3<T>(x, y, ground.height);
+    const auto found = off[0] * off[0] + off[1] * off[1] < T(most_off) * c.number(0) * c.number(0);
     const Vec3<T> place = rim.point(), v = u + w.cross(place), turned = rim.by_axis(w.cross(e));
-    const auto [x1, y1] = change(rim, T(u[0] + turned[0]), T(u[1] + turned[1]),
-                                 [](const T&) { return T(std::numeric_limits<double>::quiet_NaN()); });
+    const auto [x1, y1] =
+        change(rim, T(u[0] + turned[0]), T(u[1] + turned[1]), [&](const T&) { return none; });
     const Vec3<T> normal1 = ground.by_x * x1 + ground.by_y * y1;
     const Vec3<T> bias = w.cross(Vec3<T>(turned + rim.by_normal(normal1)));
     const auto set = [&](ScalarEquation<T>& equation, const Vec3<T>& direction, const T& more) {
@@ -128,11 +132,12 @@ struct RollingOnRoad {
       out[k].value = T(c.rate_time) * v[k];
     }
     set(out[2], ground.normal, normal1.dot(v));
-    out[2].value = d[2] + place[2] - ground.height + T(0) * x1;  // no number where it touches twice
+    out[2].value = select(found, T(off[2] + T(0) * x1), none);
   }
 
  private:
   static constexpr int most_iterations = 8;    ///< Newton's, from level ground
+  static constexpr double most_off = 1e-16;    ///< of the contact, by the radius, squared
   static constexpr double least_tilt = 1e-24;  ///< of s²
 };
 

@@ -25,7 +25,9 @@ struct SplineWeights {
       : value{0.5 * (1 - t) * (1 - t), 0.5 + t * (1 - t), 0.5 * t * t}, first{t - 1, 1 - 2 * t, t} {}
 };
 
-inline Height grid_height(const RoadData& road, double x, double y) {
+/// Calls add(weights along x, weights along y, i, j, z) for the nine heights around a place.
+template <class Add>
+void visit_grid(const RoadData& road, double x, double y, const Add& add) {
   const std::array<double, 2> place{x, y};
   const std::array<int, 2> counts{road.columns, road.rows};
   int near[2] = {};
@@ -38,21 +40,27 @@ inline Height grid_height(const RoadData& road, double x, double y) {
     within[k] = kept - near[k];
   }
   const SplineWeights wx(within[0]), wy(within[1]);
-  Height h;
   for (int j = 0; j < 3; ++j)
     for (int i = 0; i < 3; ++i) {
       const int column = std::clamp(near[0] + i - 1, 0, road.columns - 1),
                 row = std::clamp(near[1] + j - 1, 0, road.rows - 1);
-      const double z = road.heights[static_cast<std::size_t>(row) * static_cast<std::size_t>(road.columns) +
-                                    static_cast<std::size_t>(column)];
-      const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
-      h.z += wx.value[a] * wy.value[b] * z;
-      h.x += wx.first[a] * wy.value[b] * z;
-      h.y += wx.value[a] * wy.first[b] * z;
-      h.xx += SplineWeights::second[a] * wy.value[b] * z;
-      h.xy += wx.first[a] * wy.first[b] * z;
-      h.yy += wx.value[a] * SplineWeights::second[b] * z;
+      add(wx, wy, static_cast<std::size_t>(i), static_cast<std::size_t>(j),
+          road.heights[static_cast<std::size_t>(row) * static_cast<std::size_t>(road.columns) +
+                       static_cast<std::size_t>(column)]);
     }
+}
+
+inline Height grid_height(const RoadData& road, double x, double y) {
+  Height h;
+  visit_grid(road, x, y,
+             [&](const SplineWeights& wx, const SplineWeights& wy, std::size_t a, std::size_t b, double z) {
+               h.z += wx.value[a] * wy.value[b] * z;
+               h.x += wx.first[a] * wy.value[b] * z;
+               h.y += wx.value[a] * wy.first[b] * z;
+               h.xx += SplineWeights::second[a] * wy.value[b] * z;
+               h.xy += wx.first[a] * wy.first[b] * z;
+               h.yy += wx.value[a] * SplineWeights::second[b] * z;
+             });
   const double dx = road.spacing[0], dy = road.spacing[1];
   return {h.z, h.x / dx, h.y / dy, h.xx / (dx * dx), h.xy / (dx * dy), h.yy / (dy * dy)};
 }
@@ -129,7 +137,7 @@ Place<T> place(const RoadData& road, double footprint, const T& x, const T& y, c
   return at;
 }
 
-/// Second derivatives of a road's height over x and y.
+/// Second derivatives of the height of a road over a grid by x and y.
 template <class T>
 struct Curvature {
   T xx, xy, yy;
@@ -138,20 +146,20 @@ inline Curvature<double> curvature(const RoadData& road, double x, double y) {
   const Height h = height(road, 0, x, y);
   return {h.xx, h.xy, h.yy};
 }
-/// Its own derivatives, which a grid does not know, by differences over a hundredth of its spacing.
+/// Within a cell third derivatives by x, or by y, alone vanish.
 inline Curvature<Dual> curvature(const RoadData& road, const Dual& x, const Dual& y) {
   const Curvature<double> at = curvature(road, x.value, y.value);
-  const double length = mimbre::hypot(x.derivative, y.derivative);
-  if (!(length > 0)) return {at.xx, at.xy, at.yy};
-  const double width = 0.01 * std::min(road.spacing[0], road.spacing[1]) / length;
-  const Curvature<double> next =
-                              curvature(road, x.value + width * x.derivative, y.value + width * y.derivative),
-                          last =
-                              curvature(road, x.value - width * x.derivative, y.value - width * y.derivative);
-  const auto with = [&](double Curvature<double>::*part) {
-    return Dual(at.*part, (next.*part - last.*part) / (2 * width));
-  };
-  return {with(&Curvature<double>::xx), with(&Curvature<double>::xy), with(&Curvature<double>::yy)};
+  double xxy = 0, xyy = 0;
+  visit_grid(road, x.value, y.value,
+             [&](const SplineWeights& wx, const SplineWeights& wy, std::size_t a, std::size_t b, double z) {
+               xxy += SplineWeights::second[a] * wy.first[b] * z;
+               xyy += wx.first[a] * SplineWeights::second[b] * z;
+             });
+  const double dx = road.spacing[0], dy = road.spacing[1];
+  xxy /= dx * dx * dy;
+  xyy /= dx * dy * dy;
+  return {Dual(at.xx, xxy * y.derivative), Dual(at.xy, xxy * x.derivative + xyy * y.derivative),
+          Dual(at.yy, xyy * x.derivative)};
 }
 template <int N>
 Curvature<Pack<N>> curvature(const RoadData& road, const Pack<N>& x, const Pack<N>& y) {

@@ -53,7 +53,10 @@ void make_sides(Addition& addition, const std::string& name, const ConstraintInf
       place[k] = addition.point("at", *given.at[k]);
     }
   }
-  if (info.on_road && sides[0].body == spec::ground && !place[0]) place[0] = Eigen::Vector3d::Zero();
+  if (info.on_road) {
+    if (!place[1]) addition.refuse("the wheel's centre needs its place, 'at' of the second");
+    if (!place[0]) place[0] = Eigen::Vector3d::Zero();
+  }
   if (!info.two_places)
     for (int k = 0; k < 2; ++k)
       if (!place[k]) place[k] = place[1 - k];
@@ -64,7 +67,7 @@ void make_sides(Addition& addition, const std::string& name, const ConstraintInf
     if (common && side.frame >= 0) common = addition.frame_pose(side.frame).rotation;
   int frames[2];
   for (int k = 0; k < 2; ++k) {
-    const bool own_axes = axes || info.axes == 0;
+    const bool own_axes = axes || info.axes == 0 || (info.on_road && k == 0);
     if (sides[k].frame < 0 && !own_axes)
       addition.refuse(fmt::format("'axis' is missing: '{}' is a body, which has no direction of its own",
                                   given.between[static_cast<std::size_t>(k)]));
@@ -126,6 +129,7 @@ void ModelBuilder::add_constraint(const std::string& name, const build::Constrai
   } else {
     make_sides(addition, name, info, given, made);
   }
+  if (info.on_road && given.road.empty()) addition.refuse("'road' is missing: the name of one over a grid");
   if (!given.road.empty()) made.road = addition.find(impl_->roads, "road", given.road);
   addition.commit(impl_->constraints, impl_->model.constraints.size());
   impl_->model.constraints.push_back(std::move(made));

@@ -233,6 +233,32 @@ bool read_sides(Builder& builder, const Part& part, const Fields& fields, const 
   return true;
 }
 
+/// Where a wheel of that radius would touch a grid twice, as it may bend upwards more than the wheel; empty:
+/// nowhere. Second differences are the second derivatives of the road at its points.
+std::string hollow_of(const spec::Road& road, double radius) {
+  const Eigen::MatrixXd& z = road.heights;
+  double most = 0;
+  Eigen::Index row = 0, column = 0;
+  for (Eigen::Index j = 1; j + 1 < z.rows(); ++j)
+    for (Eigen::Index i = 1; i + 1 < z.cols(); ++i) {
+      const double xx = (z(j, i + 1) - 2 * z(j, i) + z(j, i - 1)) / (road.spacing[0] * road.spacing[0]),
+                   yy = (z(j + 1, i) - 2 * z(j, i) + z(j - 1, i)) / (road.spacing[1] * road.spacing[1]),
+                   xy = (z(j + 1, i + 1) - z(j + 1, i - 1) - z(j - 1, i + 1) + z(j - 1, i - 1)) /
+                        (4 * road.spacing[0] * road.spacing[1]);
+      const double half = 0.5 * (xx - yy), up = 0.5 * (xx + yy) + std::sqrt(half * half + xy * xy);
+      if (up <= most) continue;
+      most = up;
+      row = j;
+      column = i;
+    }
+  if (!(most * radius > 1)) return "";
+  return fmt::format(
+      "road '{}' has hollows of down to {:.3g} m at x = {:.6g}, y = {:.6g} m, in which a wheel of {:.6g} m "
+      "touches twice, which the constraint does not; smooth the road, or take a tyre",
+      road.name, 1 / most, road.origin[0] + static_cast<double>(column) * road.spacing[0],
+      road.origin[1] + static_cast<double>(row) * road.spacing[1], radius);
+}
+
 /// Of what rolls on a road: the frame of the wheel, with its axis as z, and one of the ground.
 void read_on_road(Builder& builder, const Part& part, const Value& value, const ConstraintInfo& info,
                   spec::Constraint& c) {
@@ -248,6 +274,7 @@ void read_on_road(Builder& builder, const Part& part, const Value& value, const 
   const auto triple = at ? at->triple(quantity::length) : std::nullopt;
   const auto direction = axis ? axis->direction() : std::nullopt;
   if (!side || (at && !triple) || (axis && !direction)) return;
+  if (at && side->frame >= 0) return at->error("goes with the name of a body; a frame has its place already");
   if (side->frame >= 0 && !axis) {
     c.frame_b = side->frame;
   } else {
@@ -265,8 +292,13 @@ void read_on_road(Builder& builder, const Part& part, const Value& value, const 
                                    Eigen::Matrix3d::Identity(), *on);
   builder.claim_end(builder.constraint_names, part, c.name, 'a', on->mark(), c.frame_a);
   ConstraintInfo::Faults faults;
-  if (fields.has("radius")) info.check(c, faults);
+  if (c.numbers[0] > 0) info.check(c, faults);
   for (const std::string& fault : faults) fields.error(fault);
+  if (c.road >= 0 && c.numbers[0] > 0)
+    if (const std::string hollow =
+            hollow_of(builder.model.roads[static_cast<std::size_t>(c.road)], c.numbers[0]);
+        !hollow.empty())
+      builder.warnings.push_back({value.mark(), fmt::format("constraint '{}': {}", c.name, hollow)});
 }
 
 void read_between(Builder& builder, const Part& part, const Value& value, const ConstraintInfo& info,

@@ -150,7 +150,7 @@ ElementDrawings element_drawings(const Compiled& model, const std::vector<BodyDr
     const ConstraintInfo& info = constraint_info(find_constraint(c.type));
     if (info.of_coordinates)
       all.add_coupling(c.name, c.type, c.terms);
-    else
+    else if (!info.on_road)  // the wheel on the road is seen by itself
       all.add(c.name, c.type, c.frame_a, c.frame_b);
     if (info.curve) all.drawn.elements.back().curve = drawn_curve(c);
   }

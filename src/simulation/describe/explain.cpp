@@ -56,6 +56,15 @@ std::string follows(const Compiled& m, double lightest, double heaviest) {
                      std::sqrt(lightest / heaviest * m.length_scale / gravity));
 }
 
+/// What wheels that roll without slip may have met.
+std::string hollow_roads(const Compiled& m) {
+  for (const ConstraintData& c : m.constraints)
+    if (c.road >= 0)
+      return fmt::format("; constraint '{}' ends where the road's hollow is narrower than the wheel",
+                         m.spec().constraints[c.spec].name);
+  return "";
+}
+
 /// Where a body is joined to one so much heavier that a step hardly follows it: which ones, else nothing.
 std::string lost_masses(const Compiled& m) {
   struct Extremes {
@@ -212,8 +221,8 @@ std::string explain(const Mechanism& mechanism, const StepReport& r, double t, c
           "a smaller step or an integrator with more damping (smaller rho) may help{}",
           t, r.iterations, where, lost_masses(model));
     case StepReport::Code::not_finite:
-      return fmt::format("a number is not finite in the step to t = {:.6g} s, first in {}{}", t, where,
-                         lost_masses(model));
+      return fmt::format("a number is not finite in the step to t = {:.6g} s, first in {}{}{}", t, where,
+                         lost_masses(model), hollow_roads(model));
     case StepReport::Code::drifted:
       if (r.unconverged)
         return fmt::format(

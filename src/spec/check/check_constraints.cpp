@@ -69,6 +69,11 @@ void check_road_of(const spec::Model& model, const CheckedItem& item, const spec
   if (road.over != spec::Road::Over::grid)
     item.error(
         fmt::format("road '{}' has no grid: what rolls without slip needs a road over a grid", road.name));
+  else if (road.along_line.along() > 0)
+    item.error(
+        fmt::format("road '{}' has kinks between the points of its file, over which nothing rolls; sample it "
+                    "by `spacing`",
+                    road.name));
 }
 
 }  // namespace
