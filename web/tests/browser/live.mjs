@@ -241,7 +241,7 @@ test("snapshots are kept, listed and gone back to", async ({ page }) => {
 test("what was driven is saved, and gives the same when it is driven again", async ({ page, heard }) => {
   await afresh(page);
   await driving(page, true, "w");
-  await until("full throttle", async () => (await value(page, "throttle")) === 1);
+  await until("full throttle", async () => (await value(page, "throttle")) === 1 && (await atServer(page, "throttle")) === 1);
   await driving(page, false, "w");
   await until("let go", async () => (await value(page, "throttle")) === 0 && (await atServer(page, "throttle")) === 0);
   const download = async (name) => {
