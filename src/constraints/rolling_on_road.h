@@ -12,17 +12,14 @@ namespace mimbre::constraints {
 
 /// b, a wheel as of Rolling, rolls without slip on a road over a grid; a is on the ground.
 struct RollingOnRoad {
-  static constexpr std::array<LawNumber, 2> numbers = Rolling::numbers;
-  static constexpr ConstraintInfo info{.name = "rolling_on_road",
-                                       .equations = 3,
-                                       .lengths = 0b111,
-                                       .rates = 0b011,
-                                       .force = true,
-                                       .moment = true,
-                                       .numbers = numbers,
-                                       .axes = 1,
-                                       .on_road = true,
-                                       .check = Rolling::check};
+  static constexpr ConstraintInfo info = [] {
+    ConstraintInfo of = Rolling::info;
+    of.name = "rolling_on_road";
+    of.axes = 1;
+    of.two_places = false;
+    of.on_road = true;
+    return of;
+  }();
   /// Behind the numbers: a's global position, and its axes column by column.
   static constexpr int position = 2, axes = 5;
 
@@ -34,10 +31,8 @@ struct RollingOnRoad {
   };
   template <class T>
   static Ground<T> ground_at(const RoadData& road, const T& x, const T& y) {
-    const roads::Place<T> at = roads::place(road, 0, x, y);
-    const roads::Curvature<T> bend = roads::curvature(road, x, y);
-    return {at.z, Vec3<T>(-at.slope_x, -at.slope_y, T(1)), Vec3<T>(-bend.xx, -bend.xy, T(0)),
-            Vec3<T>(-bend.xy, -bend.yy, T(0))};
+    const roads::Bend<T> at = roads::bend(road, x, y);
+    return {at.z, Vec3<T>(-at.x, -at.y, T(1)), Vec3<T>(-at.xx, -at.xy, T(0)), Vec3<T>(-at.xy, -at.yy, T(0))};
   }
 
   /// The point of the wheel whose tangent plane has a normal, from the centre: ρ = R (z e − n)/s − crown n,
@@ -112,6 +107,7 @@ struct RollingOnRoad {
       x += dx;
       y += dy;
       ground = ground_at(*c.road, x, y);
+      if (all(dx * dx + dy * dy <= T(least_step) * c.number(0) * c.number(0))) break;
     }
     const Rim<T> rim(ring, crown, e, ground.normal);
     const T none(std::numeric_limits<double>::quiet_NaN());
@@ -137,6 +133,7 @@ struct RollingOnRoad {
 
  private:
   static constexpr int most_iterations = 8;    ///< Newton's, from level ground
+  static constexpr double least_step = 1e-30;  ///< of them, by the radius, squared
   static constexpr double most_off = 1e-16;    ///< of the contact, by the radius, squared
   static constexpr double least_tilt = 1e-24;  ///< of s²
 };

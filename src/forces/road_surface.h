@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "compile/compiled.h"
-#include "math/elementary.h"
 #include "math/function_values.h"
 #include "math/rotation.h"
 
@@ -137,18 +136,18 @@ Place<T> place(const RoadData& road, double footprint, const T& x, const T& y, c
   return at;
 }
 
-/// Second derivatives of the height of a road over a grid by x and y.
+/// The height of a road over a grid, m, with its first and second derivatives by x and y.
 template <class T>
-struct Curvature {
-  T xx, xy, yy;
+struct Bend {
+  T z, x, y, xx, xy, yy;
 };
-inline Curvature<double> curvature(const RoadData& road, double x, double y) {
-  const Height h = height(road, 0, x, y);
-  return {h.xx, h.xy, h.yy};
+inline Bend<double> bend(const RoadData& road, double x, double y) {
+  const Height h = grid_height(road, x, y);
+  return {h.z, h.x, h.y, h.xx, h.xy, h.yy};
 }
 /// Within a cell third derivatives by x, or by y, alone vanish.
-inline Curvature<Dual> curvature(const RoadData& road, const Dual& x, const Dual& y) {
-  const Curvature<double> at = curvature(road, x.value, y.value);
+inline Bend<Dual> bend(const RoadData& road, const Dual& x, const Dual& y) {
+  const Height h = grid_height(road, x.value, y.value);
   double xxy = 0, xyy = 0;
   visit_grid(road, x.value, y.value,
              [&](const SplineWeights& wx, const SplineWeights& wy, std::size_t a, std::size_t b, double z) {
@@ -158,14 +157,20 @@ inline Curvature<Dual> curvature(const RoadData& road, const Dual& x, const Dual
   const double dx = road.spacing[0], dy = road.spacing[1];
   xxy /= dx * dx * dy;
   xyy /= dx * dy * dy;
-  return {Dual(at.xx, xxy * y.derivative), Dual(at.xy, xxy * x.derivative + xyy * y.derivative),
-          Dual(at.yy, xyy * x.derivative)};
+  const auto chain = [&](double f, double by_x, double by_y) {
+    return Dual(f, by_x * x.derivative + by_y * y.derivative);
+  };
+  return {chain(h.z, h.x, h.y), chain(h.x, h.xx, h.xy), chain(h.y, h.xy, h.yy),
+          chain(h.xx, 0, xxy),  chain(h.xy, xxy, xyy),  chain(h.yy, xyy, 0)};
 }
 template <int N>
-Curvature<Pack<N>> curvature(const RoadData& road, const Pack<N>& x, const Pack<N>& y) {
-  Curvature<Pack<N>> out;
+Bend<Pack<N>> bend(const RoadData& road, const Pack<N>& x, const Pack<N>& y) {
+  Bend<Pack<N>> out;
   for (int i = 0; i < N; ++i) {
-    const Curvature<double> lane = curvature(road, x[i], y[i]);
+    const Bend<double> lane = bend(road, x[i], y[i]);
+    out.z[i] = lane.z;
+    out.x[i] = lane.x;
+    out.y[i] = lane.y;
     out.xx[i] = lane.xx;
     out.xy[i] = lane.xy;
     out.yy[i] = lane.yy;

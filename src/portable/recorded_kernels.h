@@ -8,8 +8,8 @@ struct Place;
 /// Before the kernel that calls it.
 Place<Recorded> place(const RoadData& road, double footprint, const Recorded& x, const Recorded& y);
 template <class T>
-struct Curvature;
-Curvature<Recorded> curvature(const RoadData& road, const Recorded& x, const Recorded& y);
+struct Bend;
+Bend<Recorded> bend(const RoadData& road, const Recorded& x, const Recorded& y);
 }  // namespace mimbre::roads
 
 #include "forces/road_surface.h"
@@ -46,7 +46,7 @@ inline Touch<Recorded> Mesh::touch<Recorded>(const SurfaceData&, const Vec3<Reco
 }  // namespace surfaces
 
 namespace roads {
-inline Curvature<Recorded> curvature(const RoadData&, const Recorded&, const Recorded&) {
+inline Bend<Recorded> bend(const RoadData&, const Recorded&, const Recorded&) {
   throw NotRecordable("has wheels that roll on a road without slip");
 }
 inline Place<Recorded> place(const RoadData& road, double footprint, const Recorded& x, const Recorded& y) {

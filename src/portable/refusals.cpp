@@ -60,7 +60,10 @@ class Refusals {
     for (const ConstraintData& c : m_.constraints)
       if (c.road >= 0) {
         const auto& of = m_.spec().constraints[static_cast<std::size_t>(c.spec)];
-        add(of.mark, fmt::format("constraint '{}' rolls on a road, which code does not", of.name));
+        add(of.mark, fmt::format("code is not made of wheels that roll on a road without slip, as by "
+                                 "constraint '{}'; take an FMU with the library "
+                                 "(mimbre fmu --library)",
+                                 of.name));
       }
     for (const ConstraintData& c : m_.constraints)
       if (c.state_count > 0) {

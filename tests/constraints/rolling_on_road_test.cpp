@@ -9,8 +9,10 @@
 
 #include "constraints/rolling_on_road.h"
 #include "math/turn.h"
+#include "mimbre/generate.h"
 #include "mimbre/model_builder.h"
 #include "mimbre/simulation.h"
+#include "roads/road_data.h"
 #include "support/models.h"
 #include "support/random_mechanism.h"
 #include "support/simulate.h"
@@ -46,6 +48,16 @@ double lifted(const Eigen::Matrix2d& H, double spacing = 0.1) { return H.trace()
 
 std::string list(const Vector3d& v) { return fmt::format("[{}, {}, {}]", v[0], v[1], v[2]); }
 
+/// What the work is refused with; empty: nothing.
+std::string fault_of(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
 struct Body {
   double mass = 2, radius = 0.3, crown = 0.1, transverse = 0.05, axial = 0.08;
   Vector3d place = Vector3d::Zero(), axis = Vector3d::UnitY(), omega = Vector3d::Zero();
@@ -73,12 +85,7 @@ constraints:
 class RollingOnRoad : public testing::TestWithParam<Formulation> {
  protected:
   Simulation simulation(const std::string& text, double step) const {
-    RunOptions o;
-    o.formulation = GetParam();
-    o.step = step;
-    o.tolerance = 1e-9;
-    o.rho = 0.9;
-    return Simulation(model_of(text), o);
+    return precise_simulation_of(text, GetParam(), step);
   }
 };
 INSTANTIATE_TEST_SUITE_P(Formulations, RollingOnRoad,
@@ -271,7 +278,7 @@ TEST(RollingOnRoad, WarnsOfNarrowHollows) {
                 "test.yaml", ".", {}, &warnings);
     ASSERT_EQ(warnings.size(), bend * wheel.radius > 1 ? 1u : 0u);
     for (const Diagnostic& warning : warnings)
-      EXPECT_THAT(warning.message, testing::HasSubstr("hollows of down to 0.27 m"));
+      EXPECT_THAT(warning.message, testing::HasSubstr("whose radius is 0.27 m"));
   }
 }
 
@@ -286,12 +293,7 @@ TEST(RollingOnRoad, IsBuiltInCode) {
                         .numbers = {{"radius", 0.3}, {"crown", 0.3}},
                         .road = "flat"};
   const auto fault = [&](const build::Constraint& given) {
-    try {
-      m.add_constraint("rim", given);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return fault_of([&] { m.add_constraint("rim", given); });
   };
   EXPECT_THAT(fault(rim), testing::HasSubstr("the wheel's centre needs its place"));
   rim.at[1] = Vector3d(0, 0, 0.3);
@@ -314,7 +316,7 @@ TEST(RollingOnRoad, RefusesARoadThatBendsMoreThanTheWheel) {
                     formulation);
       ADD_FAILURE() << "a ball of 2 m fits into a hollow of 1.25 m";
     } catch (const InputError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("would touch its road twice"));
+      EXPECT_THAT(error.what(), testing::HasSubstr("narrower than itself"));
       EXPECT_THAT(error.what(), testing::HasSubstr("'rim'"));
     }
 }
@@ -323,14 +325,7 @@ TEST(RollingOnRoad, SaysWhatIsWrong) {
   Body wheel;
   wheel.place = Vector3d(0, 0, 0.3);
   const std::string grid = grid_of([](double, double) { return 0.0; }, 1, 0.5);
-  const auto message = [](const std::string& text) {
-    try {
-      model_of(text);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
+  const auto message = [](const std::string& text) { return fault_of([&] { model_of(text); }); };
   EXPECT_THAT(message(wheel.on_road("{over: distance, points: [[0, 0], [1, 0]]}")),
               testing::HasSubstr("needs a road over a grid"));
   EXPECT_THAT(
@@ -343,8 +338,17 @@ TEST(RollingOnRoad, SaysWhatIsWrong) {
   EXPECT_THAT(message(wheel.text("type: rolling_on_road, on: wheel, road: hills, axis: [0, 1, 0]") +
                       "roads:\n  hills: " + grid + "\n"),
               testing::HasSubstr("'at' is missing"));
+  EXPECT_THAT(
+      message(wheel.text("type: rolling_on_road, on: hub, road: hills, at: [0, 0, 0.3], axis: [0, 1, 0]") +
+              "frames:\n  hub: {body: wheel, at: [0, 0, 0.3]}\nroads:\n  hills: " + grid + "\n"),
+      testing::HasSubstr("a frame has its place already"));
   wheel.crown = 0.4;
   EXPECT_THAT(message(wheel.on_road(grid)), testing::HasSubstr("crown is 0.4 m"));
+  wheel.crown = 0.1;
+  EXPECT_THAT(message(wheel.on_road("{over: grid, file: " + road_path("bend_double.crg") + "}")),
+              testing::HasSubstr("no wheel rolls over a kink"));
+  EXPECT_THAT(fault_of([&] { generate_code(model_of(wheel.on_road(grid)), {}, "wheel"); }),
+              testing::HasSubstr("code is not made of wheels that roll on a road"));
 }
 
 }  // namespace

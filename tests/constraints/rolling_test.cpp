@@ -23,12 +23,7 @@ constexpr double mass = 2, radius = 0.3, transverse = 0.05, axial = 0.08, g = 9.
 class Rolling : public testing::TestWithParam<Formulation> {
  protected:
   Simulation simulation(const std::string& text, double step) const {
-    RunOptions o;
-    o.formulation = GetParam();
-    o.step = step;
-    o.tolerance = 1e-9;
-    o.rho = 0.9;
-    return Simulation(model_of(text), o);
+    return precise_simulation_of(text, GetParam(), step);
   }
 };
 INSTANTIATE_TEST_SUITE_P(Formulations, Rolling, testing::Values(Formulation::relative, Formulation::natural),

@@ -394,6 +394,26 @@ tyres:
 )yaml");
 }
 
+/// Wheels that roll without slip on a road over a grid, upright, leaning, a disc and a ball.
+std::shared_ptr<const Model> wheels_that_roll() {
+  return model_of(R"yaml(
+bodies:
+  a: {mass: 20, com: [0.1, 0.1, 0.33], inertia: [0.5, 0.9, 0.5]}
+  b: {mass: 20, com: [1.2, 0.4, 0.3], inertia: [0.5, 0.9, 0.5]}
+  c: {mass: 20, com: [2.2, 0.3, 0.3], inertia: [0.7, 0.7, 0.7]}
+joints:
+  a: {type: floating, between: [ground, a], at: [0.1, 0.1, 0.33]}
+  b: {type: floating, between: [ground, b], at: [1.2, 0.4, 0.3]}
+  c: {type: floating, between: [ground, c], at: [2.2, 0.3, 0.3]}
+roads:
+  hills: {over: grid, origin: [-2, -2], spacing: [1, 1], heights: [[0, 0, 0, 0, 0.1, 0], [0, 0.1, 0, 0.05, 0, 0.1], [0, 0, 0.03, 0, 0, 0], [0.1, 0, 0.02, 0, 0.1, 0], [0, 0, 0.1, 0, 0, 0.1]]}
+constraints:
+  a_rim: {type: rolling_on_road, on: a, road: hills, at: [0.1, 0.1, 0.33], axis: [0, 1, 0.1], radius: 0.33, crown: 0.1}
+  b_rim: {type: rolling_on_road, on: b, road: hills, at: [1.2, 0.4, 0.3], axis: [0.3, 1, 0.4], radius: 0.3}
+  c_rim: {type: rolling_on_road, on: c, road: hills, at: [2.2, 0.3, 0.3], axis: [0, 1, 0], radius: 0.3, crown: 0.3}
+)yaml");
+}
+
 class ScalarCore : public testing::TestWithParam<Mechanism> {};
 
 TEST_P(ScalarCore, LanesAreStepsOfNumbers) {
@@ -419,7 +439,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Mechanism{"driven_four_bar", driven_four_bar, 0.2},
         Mechanism{"geared_four_bar", geared_four_bar, 0.2},
-        Mechanism{"every_constraint", every_constraint, 0.1}, Mechanism{"die_and_ball", die_and_ball, 0.005},
+        Mechanism{"every_constraint", every_constraint, 0.1},
+        Mechanism{"wheels_that_roll", wheels_that_roll, 0.02}, Mechanism{"die_and_ball", die_and_ball, 0.005},
         Mechanism{"car", [] { return example("iltis/vehicle.yaml"); }, 0.02},
         Mechanism{"tree", [] { return random_model(3, [](RandomOptions& o) { o.flexible_share = 0; }); },
                   0.5},

@@ -19,6 +19,15 @@ Simulation simulation_of(const std::string& text, Formulation formulation, doubl
   return simulation_of(model_of(text), formulation, step);
 }
 
+Simulation precise_simulation_of(const std::string& text, Formulation formulation, double step) {
+  RunOptions o;
+  o.formulation = formulation;
+  o.step = step;
+  o.tolerance = 1e-9;
+  o.rho = 0.9;
+  return Simulation(model_of(text), o);
+}
+
 void run_to(Simulation& simulation, double end) {
   while (simulation.time() < end - 1e-9) {
     const StepReport report = simulation.step();

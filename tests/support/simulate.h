@@ -14,6 +14,9 @@ Simulation simulation_of(const std::shared_ptr<const Model>& model, Formulation 
 /// Of a model file's text (support/models.h).
 Simulation simulation_of(const std::string& text, Formulation formulation, double step = 0);
 
+/// With less damping and smaller errors of the iterations than by default: what is left is the rule's.
+Simulation precise_simulation_of(const std::string& text, Formulation formulation, double step);
+
 /// Steps to that time, s; a failure where a step fails.
 void run_to(Simulation& simulation, double end);
 

@@ -233,8 +233,8 @@ bool read_sides(Builder& builder, const Part& part, const Fields& fields, const 
   return true;
 }
 
-/// Where a wheel of that radius would touch a grid twice, as it may bend upwards more than the wheel; empty:
-/// nowhere. Second differences are the second derivatives of the road at its points.
+/// The hollow of a grid that is narrowest, where a wheel of that radius does not fit into it; empty: it fits
+/// everywhere. Second differences of the heights are the road's second derivatives at its points.
 std::string hollow_of(const spec::Road& road, double radius) {
   const Eigen::MatrixXd& z = road.heights;
   double most = 0;
@@ -253,10 +253,13 @@ std::string hollow_of(const spec::Road& road, double radius) {
     }
   if (!(most * radius > 1)) return "";
   return fmt::format(
-      "road '{}' has hollows of down to {:.3g} m at x = {:.6g}, y = {:.6g} m, in which a wheel of {:.6g} m "
-      "touches twice, which the constraint does not; smooth the road, or take a tyre",
-      road.name, 1 / most, road.origin[0] + static_cast<double>(column) * road.spacing[0],
-      road.origin[1] + static_cast<double>(row) * road.spacing[1], radius);
+      "a wheel with a radius of {:.6g} m does not fit into the hollow of road '{}' at x = {:.6g}, y = {:.6g} "
+      "m, whose "
+      "radius is {:.3g} m: it would touch the road at two points, and the run may fail there; smooth the "
+      "road, or take "
+      "a tyre",
+      radius, road.name, road.origin[0] + static_cast<double>(column) * road.spacing[0],
+      road.origin[1] + static_cast<double>(row) * road.spacing[1], 1 / most);
 }
 
 /// Of what rolls on a road: the frame of the wheel, with its axis as z, and one of the ground.

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "integrate/vectors.h"
 #include "joints/joint_kind.h"
 #include "simulation/describe/names.h"
 
@@ -54,15 +55,6 @@ std::string follows(const Compiled& m, double lightest, double heaviest) {
   if (!(gravity > 0)) return "a very short step follows";
   return fmt::format("steps of about {:.0e} s follow",
                      std::sqrt(lightest / heaviest * m.length_scale / gravity));
-}
-
-/// What wheels that roll without slip may have met.
-std::string hollow_roads(const Compiled& m) {
-  for (const ConstraintData& c : m.constraints)
-    if (c.road >= 0)
-      return fmt::format("; constraint '{}' ends where the road's hollow is narrower than the wheel",
-                         m.spec().constraints[c.spec].name);
-  return "";
 }
 
 /// Where a body is joined to one so much heavier that a step hardly follows it: which ones, else nothing.
@@ -196,6 +188,18 @@ std::string explain_undetermined_start(const Compiled& m, const natural::Natural
       where);
 }
 
+std::string explain_lost_constraint(const Mechanism& mechanism) {
+  const natural::NaturalSystem* const natural = mechanism.natural.get();
+  const int k = find_not_finite(mechanism.system.phi(), mechanism.system.equations());
+  if (k < 0) return "";
+  const ConstraintData* const c = constraint_of(mechanism.model, natural, k);
+  return fmt::format("{} is not a number{}", equation_name(mechanism.model, natural, k),
+                     c && c->road >= 0
+                         ? ": the wheel is in a hollow that is narrower than itself, where it would "
+                           "touch the road at two points; smooth the road, or take a tyre"
+                         : "");
+}
+
 std::string explain(const Mechanism& mechanism, const StepReport& r, double t, const std::string& jump,
                     const std::string& meaningless, double stable) {
   const Compiled& model = mechanism.model;
@@ -221,8 +225,10 @@ std::string explain(const Mechanism& mechanism, const StepReport& r, double t, c
           "a smaller step or an integrator with more damping (smaller rho) may help{}",
           t, r.iterations, where, lost_masses(model));
     case StepReport::Code::not_finite:
-      return fmt::format("a number is not finite in the step to t = {:.6g} s, first in {}{}{}", t, where,
-                         lost_masses(model), hollow_roads(model));
+      if (const std::string constraint = explain_lost_constraint(mechanism); !constraint.empty())
+        return fmt::format("in the step to t = {:.6g} s {}", t, constraint);
+      return fmt::format("a number is not finite in the step to t = {:.6g} s, first in {}{}", t, where,
+                         lost_masses(model));
     case StepReport::Code::drifted:
       if (r.unconverged)
         return fmt::format(

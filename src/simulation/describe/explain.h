@@ -16,6 +16,10 @@ namespace mimbre {
 std::string explain(const Mechanism& mechanism, const StepReport& report, double t, const std::string& jump,
                     const std::string& meaningless, double stable);
 
+/// The constraint, joint or drive whose equation was not a number when the system was evaluated last, and why
+/// as far as that is known; empty: none.
+std::string explain_lost_constraint(const Mechanism& mechanism);
+
 /// Of a step that did not converge: a drive and what else holds the motion that it prescribes, if any.
 std::string explain_contradiction(const Compiled& model, const Redundancy& redundancy);
 

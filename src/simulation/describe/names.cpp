@@ -27,11 +27,19 @@ std::string coordinate_name(const Compiled& m, const natural::NaturalSystem* nat
   return natural ? natural_name(*natural, coordinate) : relative_name(m, coordinate);
 }
 
+const ConstraintData* constraint_of(const Compiled& m, const natural::NaturalSystem* natural, int equation) {
+  for (std::size_t k = 0; k < m.constraints.size(); ++k) {
+    const ConstraintData& c = m.constraints[k];
+    const int first = natural ? natural->layout().constraints[k].first_equation : c.first_equation;
+    if (equation >= first && equation < first + c.count) return &c;
+  }
+  return nullptr;
+}
+
 std::string equation_name(const Compiled& m, const natural::NaturalSystem* natural, int equation) {
   const auto joint = [&](int spec) { return fmt::format("joint '{}'", m.spec().joints[spec].name); };
-  const auto constraint = [&](const ConstraintData& c) {
-    return fmt::format("constraint '{}'", m.spec().constraints[c.spec].name);
-  };
+  if (const ConstraintData* c = constraint_of(m, natural, equation))
+    return fmt::format("constraint '{}'", m.spec().constraints[c->spec].name);
   const auto within = [&](int first, int count) { return equation >= first && equation < first + count; };
   if (natural) {
     const natural::Layout& l = natural->layout();
@@ -40,9 +48,6 @@ std::string equation_name(const Compiled& m, const natural::NaturalSystem* natur
         return fmt::format("the rigidity of body '{}'", m.spec().bodies[m.bodies[b].spec].name);
     for (const natural::Joint& j : l.joints)
       if (within(j.first_equation, j.count)) return joint(j.spec);
-    for (std::size_t k = 0; k < m.constraints.size(); ++k)
-      if (within(l.constraints[k].first_equation, m.constraints[k].count))
-        return constraint(m.constraints[k]);
     if (equation >= l.first_drive)
       return "the drive of " + joint(m.drives[equation - l.first_drive].joint_spec);
   } else {
@@ -50,8 +55,6 @@ std::string equation_name(const Compiled& m, const natural::NaturalSystem* natur
       if (within(loop.first_equation, loop.count)) return joint(loop.joint_spec);
     for (const DriveData& d : m.drives)
       if (equation == d.equation) return "the drive of " + joint(d.joint_spec);
-    for (const ConstraintData& c : m.constraints)
-      if (within(c.first_equation, c.count)) return constraint(c);
   }
   return "the constraints";
 }

@@ -20,6 +20,10 @@ std::string coordinate_name(const Compiled& model, const natural::NaturalSystem*
 /// The joint, drive or body that must stay rigid that a constraint equation belongs to.
 std::string equation_name(const Compiled& model, const natural::NaturalSystem* natural, int equation);
 
+/// The constraint that an equation belongs to; null: it is of a joint, a drive or a body.
+const ConstraintData* constraint_of(const Compiled& model, const natural::NaturalSystem* natural,
+                                    int equation);
+
 /// What stores energy.
 std::string place_name(const Compiled& model, const EnergyMeter::Place& place);
 

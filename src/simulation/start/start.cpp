@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "integrate/initial.h"
 #include "integrate/vectors.h"
 #include "simulation/describe/explain.h"
@@ -20,13 +18,6 @@
 namespace mimbre {
 namespace {
 
-/// Whether it is the name of a constraint that rolls on a road.
-bool rolls_on_road(const Compiled& m, const std::string& name) {
-  return std::any_of(m.constraints.begin(), m.constraints.end(), [&](const ConstraintData& c) {
-    return c.road >= 0 && name == fmt::format("constraint '{}'", m.spec().constraints[c.spec].name);
-  });
-}
-
 /// Why there are no accelerations to start with.
 std::string explain_start(Mechanism& mechanism, int undetermined) {
   System& system = mechanism.system;
@@ -35,13 +26,8 @@ std::string explain_start(Mechanism& mechanism, int undetermined) {
   s.multipliers.setZero();
   Eigen::VectorXd forces(system.velocities());
   system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, forces.data());
-  if (const int k = find_not_finite(system.phi(), system.equations()); k >= 0) {
-    const std::string name = equation_name(mechanism.model, mechanism.natural.get(), k);
-    return fmt::format("{} is not a number at the start{}", name,
-                       rolls_on_road(mechanism.model, name)
-                           ? "; in a hollow that is narrower than the wheel, this would touch its road twice"
-                           : "");
-  }
+  if (const std::string constraint = explain_lost_constraint(mechanism); !constraint.empty())
+    return "at the start " + constraint;
   const int bad = find_not_finite(forces.data(), system.velocities());
   if (bad < 0) return explain_undetermined_start(mechanism.model, mechanism.natural.get(), undetermined);
   return fmt::format(

@@ -49,7 +49,7 @@ void check_frames_of(const spec::Model& model, const CheckedItem& item, const sp
   if (!a || !b || !sound_frame(model, c.frame_a) || !sound_frame(model, c.frame_b)) return;
   const int body = model.frames[static_cast<std::size_t>(c.frame_a)].body;
   if (constraint_info(find_constraint(c.type)).on_road && body != spec::ground)
-    item.error("the first side has to be the ground, whose road it is");
+    item.error("the first side has to be the ground");
   if (body != model.frames[static_cast<std::size_t>(c.frame_b)].body) return;
   if (body == spec::ground)
     item.error("both sides are the ground; a constraint needs a body");
@@ -61,19 +61,19 @@ void check_frames_of(const spec::Model& model, const CheckedItem& item, const sp
 void check_road_of(const spec::Model& model, const CheckedItem& item, const spec::Constraint& c,
                    const ConstraintInfo& info) {
   if (!info.on_road) {
-    if (c.road >= 0) item.error(fmt::format("has a road, which a {} has no use for", info.name));
+    if (c.road >= 0) item.error(fmt::format("has a road; a {} takes none", info.name));
     return;
   }
   if (!item.index("road", c.road, model.roads.size(), "roads")) return;
   const spec::Road& road = model.roads[static_cast<std::size_t>(c.road)];
   if (road.over != spec::Road::Over::grid)
-    item.error(
-        fmt::format("road '{}' has no grid: what rolls without slip needs a road over a grid", road.name));
+    item.error(fmt::format("road '{}' has no grid; a wheel that rolls without slip needs a road over a grid",
+                           road.name));
   else if (road.along_line.along() > 0)
-    item.error(
-        fmt::format("road '{}' has kinks between the points of its file, over which nothing rolls; sample it "
-                    "by `spacing`",
-                    road.name));
+    item.error(fmt::format(
+        "road '{}' has kinks between the points of its file, and no wheel rolls over a kink; give it "
+        "a `spacing`, which rounds them",
+        road.name));
 }
 
 }  // namespace
