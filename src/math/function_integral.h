@@ -45,6 +45,12 @@ class IntegralTable {
     return sum;
   }
 
+  /// The edges of the panels and the integrals up to them, for code that does the same elsewhere.
+  struct Arrays {
+    const Array<double>&edges, &values;
+  };
+  Arrays arrays() const { return {edges_, values_}; }
+
  private:
   friend FunctionParts;
   static constexpr int first_panels = 256, deepest = 40;

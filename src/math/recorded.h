@@ -213,8 +213,9 @@ auto choose(const RecordedCondition& condition, const F& f, const G& g) -> declt
 
 // The functions and formulas of function_values.h, and what kernels do with the values of other scalars.
 
-/// Functions that recordings call.
-enum class RecordedCallee { function, antiderivative, road };
+/// Functions that recordings call. Of a FunctionData: its value with both derivatives, or its antiderivative.
+/// Of an IntegralFunction: its integral from 0. Of a RoadData: the height with its slopes, and friction.
+enum class RecordedCallee { function, antiderivative, integral, road };
 
 inline double in_lane(const Recorded& x, int) { return x.value(); }
 Recorded value_at(const FunctionData& f, const Recorded& x);

@@ -176,6 +176,11 @@ class Variation {
       return Recorded::of_node(program_.recording.node({Op::part, n.a, part, -1, 0}));
     };
     if (of.kind == static_cast<int>(RecordedCallee::function) && n.b < 2) return other(n.b + 1) * dx;
+    const Recorded x = Recorded::of_node(call.a);
+    if (of.kind == static_cast<int>(RecordedCallee::antiderivative))
+      return value_at(*static_cast<const FunctionData*>(of.data), x) * dx;
+    if (of.kind == static_cast<int>(RecordedCallee::integral))
+      return value_at(static_cast<const IntegralFunction*>(of.data)->f.front(), x) * dx;
     if (of.kind == static_cast<int>(RecordedCallee::road) && n.b == 0) return other(1) * dx + other(2) * dy;
     if (of.kind == static_cast<int>(RecordedCallee::road) && n.b == 3) return 0;
     throw NotRecordable(of.kind == static_cast<int>(RecordedCallee::road)

@@ -16,6 +16,7 @@
 #include "portable/refusals.h"
 #include "portable/texts.h"
 #include "portable/write_tables.h"
+#include "signals/values.h"
 #include "simulation/start/start.h"
 #include "simulation/step/mechanism.h"
 
@@ -95,14 +96,15 @@ class Generator {
       }
     }
     const long n = m_.velocities, j = static_cast<long>(recorded_->jacobian.size());
-    const long evaluation = of("motion") + of("sense_step") + of("forces_step");
+    const long sight = of("sense_step") + of("see_step") + most_signal_rounds * of("sense_round_step");
+    const long evaluation = of("motion") + sight + of("forces_step");
     const long iteration = evaluation + of("retract") + of("compose") + of("assemble") + of("tangents") +
                            factor + solve + 4 * j + 30 * n;
     const long projection = 6 * (solve + 4 * j + 4 * n);
     const bool equations = m_.equations > 0;
     out_.operations = of("origin") + of("signals_step") + method_.max_iterations * iteration + of("retract") +
-                      of("motion") * (equations ? 7 : 1) + (equations ? 7 * projection : 0) +
-                      of("sense_step") + of("commit") + 20 * n;
+                      of("motion") * (equations ? 7 : 1) + (equations ? 7 * projection : 0) + sight +
+                      of("commit") + 20 * n;
   }
 
   int size_of(Memory memory) const { return recorded_->program.sizes[static_cast<std::size_t>(memory)]; }
@@ -152,10 +154,14 @@ class Generator {
                                "nearest_x", "own", "error", "rest", "new_x", "new_d"})
       work.add(member, n);
     for (const char* member : {"start_multipliers", "g", "impulse", "force", "rates", "violation",
-                               "nearest_multipliers", "multipliers_before", "new_y"})
+                               "nearest_multipliers", "multipliers_before"})
       work.add(member, m);
+    // At the start loads of inertia are mixed with multipliers.
+    const int along = recorded_->loads ? m + n : m;
+    if (recorded_->loads) work.add("along", along);
+    work.add("new_y", along);
     for (const auto& [member, size] :
-         {std::pair("mix_x[5]", n), std::pair("mix_y[5]", m), std::pair("mix_d[5]", n)}) {
+         {std::pair("mix_x[5]", n), std::pair("mix_y[5]", along), std::pair("mix_d[5]", n)}) {
       work.add(member, size);
       work.doubles += 4L * std::max(size, 1);
     }
@@ -240,7 +246,10 @@ class Generator {
     define("STATES", static_cast<long>(m_.states.size()));
     define("HOLDS", static_cast<long>(r.blocks || !m_.signals.integrals.empty()));
     define("ITERATIONS", static_cast<long>(method_.max_iterations));
-    define("START_ROUNDS", 8L);
+    define("LOADS", static_cast<long>(r.loads));
+    define("START_ROUNDS", r.loads ? 40L : 8L);
+    define("CIRCLE", static_cast<long>(r.circle.size()));
+    define("SIGNAL_ROUNDS", static_cast<long>(most_signal_rounds));
     define("DEPTH", 5L);
     define("NEWMARK", static_cast<long>(method_.integrator == spec::Simulation::Integrator::newmark));
     define("H", method_.step);
@@ -295,6 +304,7 @@ class Generator {
       s += "};\n";
       numbers("mark_small", small);
     }
+    if (!r.circle.empty()) integers("circle_slot", r.circle);
     s += held_inputs(m_, out_);
     const State& state = mechanism_.state;
     numbers("start_q", state.q);

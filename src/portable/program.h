@@ -42,6 +42,11 @@ enum class Memory {
   next_states,
   next_held,
   output,
+  loads,  ///< of inertia that stiffen bodies: their part of the residual
+  ahead,  ///< what blocks make that close loops of signals, before and after a round
+  made,
+  unsettled,  ///< in that round: of each of them whether it changes, and whether by more than round-off
+  lost,
   // Of model exchange alone.
   mass,            ///< entry by entry, the lower triangle
   increment_rate,  ///< of x
@@ -107,6 +112,10 @@ struct PhaseCode {
   std::vector<long> operations;  ///< by phase
 };
 PhaseCode write_phases(const Program& program, const std::string& name);
+
+/// `static double name(double x)`: the result as a function of the one input of a recording. What it calls is
+/// named `name_call_…`, and comes before it.
+std::string write_function(const Recording& recording, const Recorded& result, const std::string& name);
 
 /// A number of C.
 std::string literal(double x);

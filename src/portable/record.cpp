@@ -66,6 +66,7 @@ class Recorder {
     for (const Instant i : instants)
       if (i == Instant::step || out_->blocks) record_senses(i);
     record_forces();
+    record_loads();
     record_outputs();
     record_matrix();
     record_exchange();
@@ -215,10 +216,62 @@ class Recorder {
     enter(i);
     read_slots();
     relative::measure_elements<T>(m_, w_, q_.data(), v_.data(), a_.data());
+    if (m_.signals.moving_loops) return record_circle(i);
     relative::sense<T>(m_, w_, q_.data());
     note_limited(i);
     for (int k = m_.signals.first_moving; k < m_.signals.slots; ++k)
       p_.store(Memory::slot, k, w_.signals.value[static_cast<std::size_t>(k)]);
+  }
+  /// Loops of signals: a round, and what follows once they have settled.
+  void record_circle(Instant i) {
+    const SignalsData& d = m_.signals;
+    const std::size_t n = static_cast<std::size_t>(i);
+    SignalValues<T>& s = w_.signals;
+    relative::read_sensors<T>(m_, w_, q_.data());
+    for (const SignalsData::Sensor& sensor : d.sensors)
+      p_.store(Memory::slot, sensor.slot, s.value[static_cast<std::size_t>(sensor.slot)]);
+    out_->circle.clear();
+    const auto for_ahead = [&](const auto& f) {
+      for (const SignalsData::Computed& made : d.moving)
+        if (made.block >= 0 && d.blocks[made.block].ahead) f(d.blocks[made.block]);
+    };
+    for_ahead([&](const SignalsData::Block& b) {
+      begin_signal_loop(d, b, s);
+      for (int k = 0; k < b.outputs; ++k) {
+        p_.store(Memory::ahead, static_cast<int>(out_->circle.size()),
+                 s.value[static_cast<std::size_t>(b.slot + k)]);
+        out_->circle.push_back(b.slot + k);
+      }
+    });
+    int number = 0;
+    phase(number, fmt::format("sense_round_{}", instant_names[n]), {});
+    enter(i);
+    read_slots();
+    for (std::size_t k = 0; k < out_->circle.size(); ++k)
+      s.value[static_cast<std::size_t>(out_->circle[k])] = p_.input(Memory::ahead, static_cast<int>(k));
+    int at = 0;
+    for (const SignalsData::Computed& made : d.moving) {
+      make_moving_signal(d, made, s);
+      if (made.block < 0 || !d.blocks[made.block].ahead) continue;
+      const SignalsData::Block& b = d.blocks[made.block];
+      const BlockInputs<T> inputs = block_inputs(b, s);
+      const std::span<const T> made_of(inputs.data(), static_cast<std::size_t>(b.inputs));
+      for (int k = 0; k < b.outputs; ++k, ++at) {
+        const T now = s.value[static_cast<std::size_t>(b.slot + k)], before = p_.input(Memory::ahead, at);
+        p_.store(Memory::made, at, now);
+        p_.store(Memory::unsettled, at, select(has_settled(now, before), T(0), T(1)));
+        p_.store(Memory::lost, at, select(is_unsettled(now, before, made_of), T(1), T(0)));
+      }
+    }
+    for (const SignalsData::Computed& made : d.moving) {
+      const int count = made.block < 0 ? 1 : d.blocks[made.block].outputs;
+      for (int k = made.slot; k < made.slot + count; ++k)
+        p_.store(Memory::slot, k, s.value[static_cast<std::size_t>(k)]);
+    }
+    phase(senses_[n], fmt::format("see_{}", instant_names[n]), {origin_, motion_});
+    enter(i);
+    read_slots();
+    relative::measure_elements<T>(m_, w_, q_.data(), v_.data(), a_.data());
   }
   /// A limit of rates lets nothing change at once, although at rest its value is that of its input.
   void note_limited(Instant i) {
@@ -336,6 +389,17 @@ class Recorder {
       record_rest_elements();
     }
     if (out_->remembers) record_commit();
+  }
+
+  /// Of inertia, by which the first accelerations are sought.
+  void record_loads() {
+    out_->loads = geometric::has_loads_of_inertia(m_);
+    if (!out_->loads) return;
+    int number = 0;
+    phase(number, "loads", {origin_, motion_});
+    std::vector<T> loads(static_cast<std::size_t>(m_.velocities), T(0));
+    relative::add_loads_of_inertia<T>(m_, w_, q_.data(), a_.data(), loads.data());
+    for (std::size_t k = 0; k < loads.size(); ++k) p_.store(Memory::loads, static_cast<int>(k), loads[k]);
   }
 
   void record_rest_elements() { rest_elements_ = w_.elements; }
@@ -482,6 +546,10 @@ class Recorder {
   /// How outputs vary with inputs and the time while the motion does not, at all instants at which they are
   /// looked at. What phases hand on may be of another instant, so that each computes what it needs.
   void record_variations_at_rest() {
+    if (m_.signals.moving_loops) {
+      out_->without_variations = "has signals that go around in loops";
+      return;
+    }
     const std::size_t before = p_.phases.size();
     try {
       for (const Instant i :

@@ -45,6 +45,8 @@ struct RecordedModel {
   bool remembers = false;               ///< commit is needed
   bool rests = false;                   ///< laws at rest are others than in a step
   bool jumps = false;                   ///< laws remember signals where these jump
+  bool loads = false;                   ///< of inertia that stiffen bodies
+  std::vector<int> circle;              ///< slots of what blocks make that close loops of signals
 };
 
 /// Runs the kernels of a step of `step` seconds once. `varies`: also how outputs vary with inputs and the

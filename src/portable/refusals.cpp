@@ -41,11 +41,6 @@ class Refusals {
     for (const BodyData& b : m_.bodies) {
       if (b.modes == 0) continue;
       const spec::Body& body = m_.spec().bodies[static_cast<std::size_t>(b.spec)];
-      if (m_.flexible[static_cast<std::size_t>(b.flexible)].geometric.inertial > 0)
-        add(body.mark,
-            fmt::format("body '{}' is stiffened by loads of inertia, of which code is not made; take "
-                        "stiffening: linear, or an FMU with the library (mimbre fmu --library)",
-                        body.name));
       if (b.elastodynamic)
         add(body.mark,
             fmt::format("body '{}' bends by linear elastodynamics, of which code is not made; take "
@@ -91,8 +86,8 @@ class Refusals {
 
   void add_of_signals() {
     const SignalsData& d = m_.signals;
-    if (d.fixed_loops || d.moving_loops)
-      add("code is not made of signals that go around in loops; break the loop by a sampled block");
+    if (d.fixed_loops)
+      add("code is not made of signals that go around in loops by the time alone; write them as one formula");
     for (const spec::Block& b : m_.spec().blocks) {
       if (b.outside) {
         add(b.mark,
@@ -169,6 +164,15 @@ std::vector<Diagnostic> exchange_refusals(const Compiled& m, const Method& metho
                       "signal), which is no differential equation; {}",
                       element_name(m, e), instead));
   }
+  for (const BodyData& b : m.bodies)
+    if (b.modes > 0 && m.flexible[static_cast<std::size_t>(b.flexible)].geometric.inertial > 0) {
+      const spec::Body& body = m.spec().bodies[static_cast<std::size_t>(b.spec)];
+      all.add(body.mark, fmt::format("body '{}' is stiffened by loads of inertia, so that its forces go by "
+                                     "accelerations; {}, or take stiffening: linear",
+                                     body.name, instead));
+    }
+  if (m.signals.moving_loops)
+    all.add(fmt::format("signals go around in loops, which are settled step by step; {}", instead));
   for (const ConstraintData& c : m.constraints) {
     if (c.rates == 0) continue;
     const auto& of = m.spec().constraints[static_cast<std::size_t>(c.spec)];

@@ -1,10 +1,11 @@
 #pragma once
 
 /// Parts of the code that are the same for every model, with '@' for its name:
-/// integrator_text.cpp, exchange_text.cpp.
+/// tables_text.cpp, integrator_text.cpp, exchange_text.cpp.
 namespace mimbre::portable {
 
 extern const char* const functions_text;   ///< functions of one variable
+extern const char* const formulas_text;    ///< integrals of formulas
 extern const char* const roads_text;       ///< heights over a place
 extern const char* const linear_text;      ///< factorisation and solution
 extern const char* const finite_text;      ///< whether numbers are finite

@@ -83,6 +83,53 @@ void for_arguments(const Recording::Node& n, const F& f) {
   if (n.op == Op::select && n.c >= 0) f(n.c);
 }
 
+/// The operation of a node in C, `of(k)` the text of a node that it needs.
+template <class Of>
+std::string expression(const Recording::Node& n, const Of& of) {
+  switch (n.op) {
+    case Op::add:
+      return fmt::format("{} + {}", of(n.a), of(n.b));
+    case Op::subtract:
+      return fmt::format("{} - {}", of(n.a), of(n.b));
+    case Op::multiply:
+      return fmt::format("{}*{}", of(n.a), of(n.b));
+    case Op::divide:
+      return fmt::format("{}/{}", of(n.a), of(n.b));
+    case Op::negative:
+      return fmt::format("-{}", of(n.a));
+    case Op::less:
+      return fmt::format("{} < {}", of(n.a), of(n.b));
+    case Op::less_or_equal:
+      return fmt::format("{} <= {}", of(n.a), of(n.b));
+    case Op::equal:
+      return fmt::format("{} == {}", of(n.a), of(n.b));
+    case Op::both:
+      return fmt::format("{} && {}", of(n.a), of(n.b));
+    case Op::either:
+      return fmt::format("{} || {}", of(n.a), of(n.b));
+    case Op::opposite:
+      return fmt::format("!{}", of(n.a));
+    case Op::finite:
+      return fmt::format("{0} - {0} == 0.0", of(n.a));
+    case Op::select:
+      return fmt::format("{} ? {} : {}", of(n.a), of(n.b), of(n.c));
+    case Op::part:
+      return fmt::format("c{}[{}]", n.a, n.b);
+    default:
+      return n.b < 0 ? fmt::format("{}({})", function_of(n.op), of(n.a))
+                     : fmt::format("{}({}, {})", function_of(n.op), of(n.a), of(n.b));
+  }
+}
+
+/// A call, whose results are c0, c1, … by the number of its node.
+template <class Of>
+std::string call(const Recording::Node& n, int k, const std::string& name, const Of& of) {
+  const std::string second = n.b < 0 ? "" : ", " + of(n.b);
+  return fmt::format("  double c{0}[4];\n  {1}_call_{2}({3}{4}, c{0});\n", k, name, n.c, of(n.a), second);
+}
+
+const char* type_of(Op op) { return Recording::is_condition(op) ? "int" : "double"; }
+
 class Writer {
  public:
   Writer(const Program& program, const std::string& name) : program_(program), name_(name) {
@@ -142,43 +189,6 @@ class Writer {
     return kept(k);
   }
 
-  std::string expression(const Recording::Node& n, const std::set<int>& local) const {
-    const auto of = [&](int k) { return text(k, local); };
-    switch (n.op) {
-      case Op::add:
-        return fmt::format("{} + {}", of(n.a), of(n.b));
-      case Op::subtract:
-        return fmt::format("{} - {}", of(n.a), of(n.b));
-      case Op::multiply:
-        return fmt::format("{}*{}", of(n.a), of(n.b));
-      case Op::divide:
-        return fmt::format("{}/{}", of(n.a), of(n.b));
-      case Op::negative:
-        return fmt::format("-{}", of(n.a));
-      case Op::less:
-        return fmt::format("{} < {}", of(n.a), of(n.b));
-      case Op::less_or_equal:
-        return fmt::format("{} <= {}", of(n.a), of(n.b));
-      case Op::equal:
-        return fmt::format("{} == {}", of(n.a), of(n.b));
-      case Op::both:
-        return fmt::format("{} && {}", of(n.a), of(n.b));
-      case Op::either:
-        return fmt::format("{} || {}", of(n.a), of(n.b));
-      case Op::opposite:
-        return fmt::format("!{}", of(n.a));
-      case Op::finite:
-        return fmt::format("{0} - {0} == 0.0", of(n.a));
-      case Op::select:
-        return fmt::format("{} ? {} : {}", of(n.a), of(n.b), of(n.c));
-      case Op::part:
-        return fmt::format("c{}[{}]", n.a, n.b);
-      default:
-        return n.b < 0 ? fmt::format("{}({})", function_of(n.op), of(n.a))
-                       : fmt::format("{}({}, {})", function_of(n.op), of(n.a), of(n.b));
-    }
-  }
-
   void write_phase(std::size_t p) {
     const Phase& phase = program_.phases[p];
     // Parts come next to their calls.
@@ -219,16 +229,14 @@ class Writer {
       for (std::size_t i = begins[f]; i < begins[f + 1]; ++i) {
         const int k = all[i];
         const Recording::Node& n = node(k);
+        const auto of = [&](int argument) { return text(argument, local); };
         if (n.op == Op::call) {
-          const std::string second = n.b < 0 ? "" : ", " + text(n.b, local);
-          body += fmt::format("  double c{}[4];\n  {}_call_{}({}{}, c{});\n", k, name_, n.c, text(n.a, local),
-                              second, k);
+          body += call(n, k, name_, of);
           operations += 20;
           continue;
         }
         ++operations;
-        body += fmt::format("  const {} t{} = {};\n", Recording::is_condition(n.op) ? "int" : "double", k,
-                            expression(n, local));
+        body += fmt::format("  const {} t{} = {};\n", type_of(n.op), k, expression(n, of));
         local.insert(k);
         if (keep.contains(k)) body += fmt::format("  s->kept[{}] = t{};\n", slot_.at(k), k);
         const auto [from, to] = stores.equal_range(k);
@@ -272,6 +280,32 @@ std::string literal(double x) {
 
 PhaseCode write_phases(const Program& program, const std::string& name) {
   return Writer(program, name).write();
+}
+
+std::string write_function(const Recording& recording, const Recorded& result, const std::string& name) {
+  const auto node = [&](int k) { return recording.nodes()[static_cast<std::size_t>(k)]; };
+  std::set<int> live;
+  std::vector<int> waiting;
+  const auto want = [&](int k) {
+    if (!is_leaf(node(k)) && live.insert(k).second) waiting.push_back(k);
+  };
+  if (result.node >= 0) want(result.node);
+  while (!waiting.empty()) {
+    const int k = waiting.back();
+    waiting.pop_back();
+    for_arguments(node(k), want);
+  }
+  const auto of = [&](int k) -> std::string {
+    const Recording::Node n = node(k);
+    return n.op == Op::constant ? literal(n.number) : n.op == Op::input ? "x" : fmt::format("t{}", k);
+  };
+  std::string text = fmt::format("static double {}(double x) {{\n", name);
+  for (const int k : live)
+    text += node(k).op == Op::call
+                ? call(node(k), k, name, of)
+                : fmt::format("  const {} t{} = {};\n", type_of(node(k).op), k, expression(node(k), of));
+  const std::string value = result.is_constant() ? literal(result.number) : of(result.node);
+  return text + (live.empty() ? "  (void)x;\n" : "") + fmt::format("  return {};\n}}\n", value);
 }
 
 }  // namespace mimbre::portable

@@ -80,6 +80,90 @@ std::string friction_text(const RoadData& road) {
   return out;
 }
 
+/// What phases call, and the functions that all such calls share.
+class Callees {
+ public:
+  explicit Callees(const std::string& name) : name_(name) {}
+
+  /// Functions `of_call_0`, `of_call_1`, …: what the recording calls.
+  void write(const Recording& recording, const std::string& of) {
+    const auto& all = recording.callees();
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const std::string call = fmt::format("{}_call_{}", of, k), at = fmt::format("{}_table_{}", of, k);
+      switch (static_cast<RecordedCallee>(all[k].kind)) {
+        case RecordedCallee::function:
+          functions_ = true;
+          calls_ += pieces_tables(name_, at, *static_cast<const FunctionData*>(all[k].data)) +
+                    of_one(call, fmt::format("{}_evaluate_pieces(&{}, x, out)", name_, at));
+          break;
+        case RecordedCallee::antiderivative:
+          integrals_ = true;
+          calls_ += pieces_tables(name_, at, *static_cast<const FunctionData*>(all[k].data)) +
+                    of_one(call, fmt::format("out[0] = {}_integral_of(&{}, x)", name_, at));
+          break;
+        case RecordedCallee::integral:
+          write_integral(*static_cast<const IntegralFunction*>(all[k].data), call, at);
+          break;
+        case RecordedCallee::road:
+          write_road(*static_cast<const RoadData*>(all[k].data), all[k].number, call, at);
+          break;
+      }
+    }
+  }
+
+  std::string text() const {
+    std::string out;
+    for (const auto& [what, there] : {std::pair("FUNCTIONS", functions_), std::pair("INTEGRALS", integrals_),
+                                      std::pair("PROFILES", profiles_), std::pair("FORMULAS", formulas_),
+                                      std::pair("GRIDS", grids_), std::pair("ROADS", along_)})
+      out += fmt::format("#define {}_{} {}\n", name_, what, there ? 1 : 0);
+    if (functions_ || integrals_) out += named(functions_text, name_);
+    if (formulas_) out += named(formulas_text, name_);
+    if (grids_ || along_) out += named(roads_text, name_);
+    return out + "\n" + calls_;
+  }
+
+ private:
+  static std::string of_one(const std::string& call, const std::string& made) {
+    return fmt::format("static void {}(double x, double *out) {{\n  {};\n}}\n\n", call, made);
+  }
+
+  /// The function under the integral is recorded for itself.
+  void write_integral(const IntegralFunction& f, const std::string& call, const std::string& at) {
+    const std::string under = call + "_under";
+    Recording recording;
+    const Recorded value = value_at(f.f.front(), Recorded::input(0, 0));
+    write(recording, under);
+    const IntegralTable::Arrays table_of = f.table.arrays();
+    formulas_ = true;
+    calls_ += table(at + "_edges", numbers(table_of.edges)) +
+              table(at + "_values", numbers(table_of.values)) + write_function(recording, value, under) +
+              of_one(call, fmt::format("out[0] = {0}_integral_of_formula({1}_edges, {1}_values, {2}, {3}, x)",
+                                       name_, at, table_of.edges.size() - 1, under));
+  }
+
+  void write_road(const RoadData& road, double footprint, const std::string& call, const std::string& at) {
+    const bool profile = road.over == spec::Road::Over::distance;
+    if (profile)
+      functions_ = integrals_ = profiles_ = true;
+    else
+      (road.along_line() ? along_ : grids_) = true;
+    calls_ += profile ? pieces_tables(name_, at, road.height) : grid_tables(name_, at, road);
+    calls_ += fmt::format("static void {}(double x, double y, double *out) {{\n", call);
+    if (profile)
+      calls_ += fmt::format("  {}_profile(&{}, {}, x, out);\n", name_, at, literal(footprint));
+    else
+      calls_ +=
+          fmt::format("  {}_{}_height(&{}, x, y, out);\n", name_, road.along_line() ? "road" : "grid", at);
+    calls_ += friction_text(road) + "  (void)y;\n}\n\n";
+  }
+
+  const std::string name_;
+  bool functions_ = false, integrals_ = false, profiles_ = false, formulas_ = false, grids_ = false,
+       along_ = false;
+  std::string calls_;
+};
+
 }  // namespace
 
 std::string table(const std::string& name, const std::vector<double>& values) {
@@ -100,45 +184,9 @@ std::string named(const std::string& text, const std::string& name) {
 }
 
 std::string write_callees(const Recording& recording, const std::string& name) {
-  bool functions = false, integrals = false, profiles = false, grids = false, along = false;
-  std::string calls;
-  const auto& all = recording.callees();
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const Recording::Callee& callee = all[k];
-    const std::string at = fmt::format("{}_table_{}", name, k);
-    if (callee.kind != static_cast<int>(RecordedCallee::road)) {
-      const FunctionData& f = *static_cast<const FunctionData*>(callee.data);
-      const bool integral = callee.kind == static_cast<int>(RecordedCallee::antiderivative);
-      (integral ? integrals : functions) = true;
-      calls += pieces_tables(name, at, f);
-      calls += fmt::format("static void {}_call_{}(double x, double *out) {{\n", name, k);
-      calls += integral ? fmt::format("  out[0] = {}_integral_of(&{}, x);\n}}\n\n", name, at)
-                        : fmt::format("  {}_evaluate_pieces(&{}, x, out);\n}}\n\n", name, at);
-      continue;
-    }
-    const RoadData& road = *static_cast<const RoadData*>(callee.data);
-    const bool profile = road.over == spec::Road::Over::distance;
-    if (profile)
-      functions = integrals = profiles = true;
-    else
-      (road.along_line() ? along : grids) = true;
-    calls += profile ? pieces_tables(name, at, road.height) : grid_tables(name, at, road);
-    calls += fmt::format("static void {}_call_{}(double x, double y, double *out) {{\n", name, k);
-    if (profile)
-      calls += fmt::format("  {}_profile(&{}, {}, x, out);\n", name, at, literal(callee.number));
-    else
-      calls +=
-          fmt::format("  {}_{}_height(&{}, x, y, out);\n", name, road.along_line() ? "road" : "grid", at);
-    calls += friction_text(road) + "  (void)y;\n}\n\n";
-  }
-  std::string out;
-  for (const auto& [what, there] :
-       {std::pair("FUNCTIONS", functions), std::pair("INTEGRALS", integrals), std::pair("PROFILES", profiles),
-        std::pair("GRIDS", grids), std::pair("ROADS", along)})
-    out += fmt::format("#define {}_{} {}\n", name, what, there ? 1 : 0);
-  if (functions || integrals) out += named(functions_text, name);
-  if (grids || along) out += named(roads_text, name);
-  return out + "\n" + calls;
+  Callees callees(name);
+  callees.write(recording, name);
+  return callees.text();
 }
 
 }  // namespace mimbre::portable

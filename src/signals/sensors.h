@@ -26,22 +26,32 @@ class SensorViewOf final : public SensorView<T> {
   const Amplitudes& amplitudes_;
 };
 
+/// What the motion alone decides of signals.
 template <class T, class Frame, class Measured, class Amplitudes>
-void sense(const Compiled& m, const Vec3<T>& origin, const Frame& frame, const Measured& measured,
-           const Amplitudes& amplitudes, SignalValues<T>& s) {
+void read_sensors(const Compiled& m, const Vec3<T>& origin, const Frame& frame, const Measured& measured,
+                  const Amplitudes& amplitudes, SignalValues<T>& s) {
   const SensorViewOf<T, Frame, Measured, Amplitudes> view(origin, frame, measured, amplitudes);
   for (const SignalsData::Sensor& sensor : m.signals.sensors) {
     const SensorData& d = m.sensors[sensor.sensor];
     s.value[sensor.slot] = outputs::sensor_functions<T>[static_cast<std::size_t>(d.kind)](d, view);
   }
-  make_signals(m.signals, m.signals.moving, m.signals.moving_loops, s, [&](const SignalsData::Computed& f) {
-    if (f.block < 0) {
-      s.value[f.slot] = signal_value(f.law, s);
-    } else {
-      const SignalsData::Block& b = m.signals.blocks[f.block];
-      make_block(m.signals, b, block_inputs(b, s).data(), s);
-    }
-  });
+}
+
+/// One of the signals that follow from those.
+template <class T>
+void make_moving_signal(const SignalsData& d, const SignalsData::Computed& f, SignalValues<T>& s) {
+  if (f.block < 0) {
+    s.value[f.slot] = signal_value(f.law, s);
+  } else {
+    const SignalsData::Block& b = d.blocks[f.block];
+    make_block(d, b, block_inputs(b, s).data(), s);
+  }
+}
+
+template <class T>
+void make_moving_signals(const SignalsData& d, SignalValues<T>& s) {
+  make_signals(d, d.moving, d.moving_loops, s,
+               [&](const SignalsData::Computed& f) { make_moving_signal(d, f, s); });
 }
 
 /// Gradients of a block's outputs by those of its inputs, `of` their formulas.

@@ -159,6 +159,33 @@ void make_block_jets(const SignalsData& d, const SignalsData::Block& b, SignalVa
   for (int k = 0; k < b.outputs; ++k) s.put(b.slot + k, out[k]);
 }
 
+/// Rounds of a loop of signals at most.
+constexpr int most_signal_rounds = 60;
+
+/// Whether what a block makes still changes by more than round-off, and at the end by more than round-off of
+/// what it is made of: before this round it was `before`.
+template <class T>
+auto has_settled(const T& now, const T& before) {
+  using std::abs;
+  constexpr double round_off = 1e-15;
+  return abs(T(now - before)) <= round_off * abs(now);
+}
+template <class T>
+auto is_unsettled(const T& now, const T& before, std::span<const T> made_of) {
+  using std::abs;
+  constexpr double unsettled = 1e-9;
+  T size = abs(now);
+  for (const T& in : made_of) size = select(abs(in) > size, T(abs(in)), size);
+  return abs(T(now - before)) > T(unsettled) * size;
+}
+
+/// What blocks that close loops make at first: that of their inputs at the step's start.
+template <class T>
+void begin_signal_loop(const SignalsData& d, const SignalsData::Block& b, SignalValues<T>& s) {
+  make_block(d, b, s.held + b.held + 1, s);
+  for (int k = 0; k < b.outputs; ++k) s.rate[b.slot + k] = s.second[b.slot + k] = T(0);
+}
+
 /// Makes a list of signals in their order by `make_one`. Where blocks that do not feed through close loops,
 /// what they make is at first that of their inputs at the step's start, and then goes around until nothing
 /// changes any more: of a loop that is faster than the step can resolve it is not a number, and the step
@@ -166,16 +193,10 @@ void make_block_jets(const SignalsData& d, const SignalsData::Block& b, SignalVa
 template <class T, class MakeOne>
 void make_signals(const SignalsData& d, const Array<SignalsData::Computed>& list, bool loops,
                   SignalValues<T>& s, const MakeOne& make_one) {
-  constexpr int most_rounds = 60;
-  constexpr double round_off = 1e-15, unsettled = 1e-9;
   if (loops)
     for (const SignalsData::Computed& made : list)
-      if (made.block >= 0 && d.blocks[made.block].ahead) {
-        const SignalsData::Block& b = d.blocks[made.block];
-        make_block(d, b, s.held + b.held + 1, s);
-        for (int k = 0; k < b.outputs; ++k) s.rate[b.slot + k] = s.second[b.slot + k] = T(0);
-      }
-  for (int round = 0; round < (loops ? most_rounds : 1); ++round) {
+      if (made.block >= 0 && d.blocks[made.block].ahead) begin_signal_loop(d, d.blocks[made.block], s);
+  for (int round = 0; round < (loops ? most_signal_rounds : 1); ++round) {
     bool settled = true;
     for (const SignalsData::Computed& made : list) {
       if (made.block < 0 || !d.blocks[made.block].ahead) {
@@ -189,15 +210,11 @@ void make_signals(const SignalsData& d, const Array<SignalsData::Computed>& list
       const BlockInputs<T> inputs = block_inputs(b, s);
       const std::span<const T> made_of(inputs.data(), static_cast<std::size_t>(b.inputs));
       for (int k = 0; k < b.outputs; ++k) {
-        using std::abs;
-        const T now = s.value[b.slot + k], change = abs(T(now - before[k]));
-        settled = settled && all(change <= round_off * abs(now));
-        if (round + 1 < most_rounds) continue;
-        // What still changes by round-off of what it is made of has settled.
-        T size = abs(now);
-        for (const T& in : made_of) size = select(abs(in) > size, T(abs(in)), size);
-        s.value[b.slot + k] =
-            select(change > T(unsettled) * size, T(std::numeric_limits<double>::quiet_NaN()), now);
+        const T now = s.value[b.slot + k];
+        settled = settled && all(has_settled(now, before[k]));
+        if (round + 1 == most_signal_rounds)
+          s.value[b.slot + k] =
+              select(is_unsettled(now, before[k], made_of), T(std::numeric_limits<double>::quiet_NaN()), now);
       }
     }
     if (settled && round > 0) return;

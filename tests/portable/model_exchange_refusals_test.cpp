@@ -46,6 +46,12 @@ joints: {guide: {type: prismatic, between: [ground, block], at: [0, 0, 0], axis:
               testing::AllOf(HasSubstr("guide"), HasSubstr("input")));
   EXPECT_THAT(refusal(with("", "signals: {place: {joint: guide}, slow: {rate_limit: place, rising: 2}}")),
               testing::AllOf(HasSubstr("slow"), HasSubstr("rate_limit, which switches between steps")));
+  EXPECT_THAT(
+      refusal(
+          with("",
+               "signals: {place: {joint: guide}, slow: {transfer_function: place - 2*slow, numerator: [1], "
+               "denominator: [1, 1]}}")),
+      HasSubstr("signals go around in loops"));
   EXPECT_THAT(refusal(with("", "stops: {end: {joint: guide, lower: 0, stiffness: 1e6}}")),
               testing::AllOf(HasSubstr("stop 'end'"), HasSubstr("no differential equation")));
   EXPECT_THAT(refusal(with("", R"yaml(

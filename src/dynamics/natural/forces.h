@@ -51,11 +51,12 @@ void measure_element(const Compiled& m, const Layout& l, Workspace<T>& w, const 
 template <class T>
 void sense(const Compiled& m, const Layout& l, Workspace<T>& w) {
   if (m.signals.sensors.empty()) return;
-  mimbre::sense(
+  read_sensors(
       m, Vec3<T>(l.origin.template cast<T>()),
       [&](int frame) { return motion_of_frame(w.frames[frame], true); },
       [&](int element) { return element_state(m.elements[element], w.elements.data()); },
       [&](int body) { return w.y.data() + l.bodies[body].amplitudes; }, w.signals);
+  make_moving_signals(m.signals, w.signals);
 }
 
 /// Puts `factor` times the covector of an element's component on its two bodies.

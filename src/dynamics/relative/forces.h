@@ -29,14 +29,20 @@ void measure_elements(const Compiled& m, Workspace<T>& w, const T* q, const T* v
   measure_sums(m, w.elements.data());
 }
 
+template <class T>
+void read_sensors(const Compiled& m, Workspace<T>& w, const T* q) {
+  mimbre::read_sensors(
+      m, w.origin, [&](int frame) -> const Motion<T>& { return w.frames[frame]; },
+      [&](int element) { return element_state(m.elements[element], w.elements.data()); },
+      [&](int body) { return q + m.bodies[body].q + m.bodies[body].joint_positions; }, w.signals);
+}
+
 /// Values of the sensors and of what follows from them.
 template <class T>
 void sense(const Compiled& m, Workspace<T>& w, const T* q) {
   if (m.signals.sensors.empty()) return;
-  mimbre::sense(
-      m, w.origin, [&](int frame) -> const Motion<T>& { return w.frames[frame]; },
-      [&](int element) { return element_state(m.elements[element], w.elements.data()); },
-      [&](int body) { return q + m.bodies[body].q + m.bodies[body].joint_positions; }, w.signals);
+  read_sensors(m, w, q);
+  make_moving_signals(m.signals, w.signals);
 }
 
 /// What elements measure and signals see of the motion, at a time.

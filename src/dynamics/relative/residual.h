@@ -203,4 +203,27 @@ void residual(const Compiled& m, Workspace<T>& w, const T* q, const T* v, const 
   }
 }
 
+/// Adds to r the part of the residual by which loads of inertia stiffen bodies, for the motion that the
+/// bodies have and for amplitudes that accelerate by a.
+template <class T>
+void add_loads_of_inertia(const Compiled& m, Workspace<T>& w, const T* q, const T* a, T* r) {
+  for (std::size_t i = 0; i < m.bodies.size(); ++i) {
+    const BodyData& b = m.bodies[i];
+    if (b.modes == 0 || m.flexible[b.flexible].geometric.empty()) continue;
+    const FlexibleData& f = m.flexible[b.flexible];
+    const Motion<T>& motion = w.bodies[i];
+    const Mat3<T> to_body = motion.rotation.transpose();
+    T *y = w.scratch.data(), *ydd = y + f.stride, *forces = ydd + f.stride;
+    copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
+    copy_modes(b, a + b.v + b.joint_velocities, f.stride, ydd);
+    std::fill(forces, forces + f.stride, T(0));
+    geometric::add_inertial_forces(
+        f.geometric,
+        geometric::stress_motion<T>(f.geometric, to_body * motion.omega, to_body * motion.acceleration,
+                                    to_body * motion.alpha, ydd),
+        y, forces);
+    for (int k = 0; k < b.modes; ++k) r[b.v + b.joint_velocities + k] += forces[k];
+  }
+}
+
 }  // namespace mimbre::relative

@@ -320,23 +320,7 @@ void RelativeSystem::compose(double* x, const double* d) const { relative::compo
 bool RelativeSystem::has_loads_of_inertia() const { return geometric::has_loads_of_inertia(model_); }
 
 void RelativeSystem::add_loads_of_inertia(const double* q, const double* a, double* r) {
-  for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
-    const BodyData& b = model_.bodies[i];
-    if (b.modes == 0 || model_.flexible[b.flexible].geometric.empty()) continue;
-    const FlexibleData& f = model_.flexible[b.flexible];
-    const Motion<double>& motion = work_.bodies[i];
-    const Mat3d to_body = motion.rotation.transpose();
-    double *y = work_.scratch.data(), *ydd = y + f.stride, *forces = ydd + f.stride;
-    copy_modes(b, q + b.q + b.joint_positions, f.stride, y);
-    copy_modes(b, a + b.v + b.joint_velocities, f.stride, ydd);
-    std::fill(forces, forces + f.stride, 0.0);
-    geometric::add_inertial_forces(
-        f.geometric,
-        geometric::stress_motion<double>(f.geometric, to_body * motion.omega, to_body * motion.acceleration,
-                                         to_body * motion.alpha, ydd),
-        y, forces);
-    for (int k = 0; k < b.modes; ++k) r[b.v + b.joint_velocities + k] += forces[k];
-  }
+  relative::add_loads_of_inertia<double>(model_, work_, q, a, r);
 }
 
 namespace {

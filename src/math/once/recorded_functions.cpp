@@ -345,17 +345,14 @@ Jets jet_of(const FunctionData& f, const Recorded& x) {
     const Jets of{x, 1, 0};
     return result(formula->expression, &of);
   }
-  if (f.integral()) {
-    if (!f.integral()->exact)
-      throw NotRecordable(
-          "has a drive that follows the integral of a formula, which is a table of its own: give its "
-          "position, or its "
-          "speed by points");
-    const FunctionData& rate = f.integral()->f.front();
+  if (const IntegralFunction* integral = f.integral()) {
+    const FunctionData& rate = integral->f.front();
     const std::vector<Recorded> value =
-        record_call({&rate, 0, static_cast<int>(RecordedCallee::antiderivative)}, x, nullptr, 1);
+        integral->exact
+            ? record_call({&rate, 0, static_cast<int>(RecordedCallee::antiderivative)}, x, nullptr, 1)
+            : record_call({integral, 0, static_cast<int>(RecordedCallee::integral)}, x, nullptr, 1);
     const Jets of = jet_of(rate, x);
-    return {Recorded(f.integral()->start) + value[0], of.value, of.first};
+    return {Recorded(integral->start) + value[0], of.value, of.first};
   }
   const std::vector<Recorded> parts =
       record_call({&f, 0, static_cast<int>(RecordedCallee::function)}, x, nullptr, function_results);

@@ -1,0 +1,318 @@
+#include "portable/texts.h"
+
+/// Functions and roads that are looked up, by hand in C99: what math/function_pieces.cpp,
+/// math/function_integral.h and roads/ do.
+namespace mimbre::portable {
+
+const char* const functions_text = R"c(
+/* Value and both derivatives of polynomial pieces: piece k holds up to breaks[k]. */
+typedef struct {
+  int count;
+  const double *breaks, *origins, *coefficients, *integrals;
+  const int *first;
+  double start, period, integral, at_zero;
+} @_pieces;
+
+static int @_find_piece(const @_pieces *f, double *x, double *turns) {
+  int low = 0, high = f->count;
+  *turns = 0.0;
+  if (f->period > 0.0) {
+    const double whole = floor((*x - f->start)/f->period), within = *x - whole*f->period;
+    *turns = whole;
+    *x = within;
+    if (within < f->start) *x = f->start;
+    if (within >= f->start + f->period) {
+      *x = f->start;
+      *turns = whole + 1.0;
+    }
+  }
+  while (low < high) {
+    const int middle = (low + high)/2;
+    if (*x >= f->breaks[middle])
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+#if @_FUNCTIONS
+static void @_evaluate_pieces(const @_pieces *f, double x, double *out) {
+  double turns, s, v = 0.0, d = 0.0, half = 0.0;
+  const int k = @_find_piece(f, &x, &turns);
+  int i;
+  s = x - f->origins[k];
+  for (i = f->first[k + 1]; i-- > f->first[k];) {
+    half = half*s + d;
+    d = d*s + v;
+    v = v*s + f->coefficients[i];
+  }
+  out[0] = v;
+  out[1] = d;
+  out[2] = 2.0*half;
+}
+#endif
+
+#if @_INTEGRALS
+static double @_integral_of(const @_pieces *f, double x) {
+  double turns, s, v = 0.0;
+  const int k = @_find_piece(f, &x, &turns);
+  int i;
+  s = x - f->origins[k];
+  for (i = f->first[k + 1]; i-- > f->first[k];)
+    v = v*s + f->coefficients[i]/(i - f->first[k] + 1);
+  return turns*f->integral + f->integrals[k] + v*s - f->at_zero;
+}
+#endif
+
+#if @_PROFILES
+/* Height and slopes of a profile, as a footprint of so many metres to both sides feels it. */
+static void @_profile(const @_pieces *f, double footprint, double x, double *out) {
+  double high[3], low[3];
+  const double length = 2.0*footprint;
+  @_evaluate_pieces(f, x + footprint, high);
+  @_evaluate_pieces(f, x - footprint, low);
+  out[0] = (@_integral_of(f, x + footprint) - @_integral_of(f, x - footprint))/length;
+  out[1] = (high[0] - low[0])/length;
+  out[2] = 0.0;
+}
+#endif
+)c";
+
+const char* const formulas_text = R"c(
+typedef double (*@_formula)(double x);
+
+/* Gauss-Legendre with ten points. */
+static double @_quadrature(@_formula f, double a, double b) {
+  static const double nodes[] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244, 0.8650633666889845,
+                                 0.9739065285171717};
+  static const double weights[] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820, 0.1494513491505806,
+                                   0.0666713443086881};
+  const double half = 0.5*(b - a), middle = a + half;
+  double sum = 0.0;
+  int i;
+  for (i = 0; i < 5; ++i) sum += weights[i]*(f(middle - nodes[i]*half) + f(middle + nodes[i]*half));
+  return half*sum;
+}
+
+/* From 0 to x: values up to the edges of panels are known, and panels of mean width lie behind the last. */
+static double @_integral_of_formula(const double *edges, const double *values, int last, @_formula f, double x) {
+  const double end = edges[last];
+  double sum = 0.0, panels;
+  int low = 0, high = last, k, n;
+  if (!(x >= 0.0)) {
+    for (k = 0; k < 8; ++k) sum += @_quadrature(f, k*(x/8.0), (k + 1)*(x/8.0));
+    return sum;
+  }
+  if (x <= end) {
+    while (low < high) {
+      const int middle = (low + high + 1)/2;
+      if (x >= edges[middle])
+        low = middle;
+      else
+        high = middle - 1;
+    }
+    return values[low] + (x > edges[low] ? @_quadrature(f, edges[low], x) : 0.0);
+  }
+  panels = end > 0.0 ? ceil((x - end)/end*last) : 8.0;
+  n = panels < 1.0 ? 1 : panels > 10000.0 ? 10000 : (int)panels;
+  sum = values[last];
+  for (k = 0; k < n; ++k) sum += @_quadrature(f, end + (x - end)*k/n, end + (x - end)*(k + 1)/n);
+  return sum;
+}
+)c";
+
+const char* const roads_text = R"c(
+#if @_GRIDS
+/* The biquadratic spline of the heights of a grid. */
+typedef struct {
+  double origin[2], spacing[2];
+  int rows, columns;
+  const double *heights;
+} @_grid;
+
+static void @_grid_height(const @_grid *g, double x, double y, double *out) {
+  const double place[2] = {x, y};
+  const int counts[2] = {g->columns, g->rows};
+  double value[2][3], first[2][3];
+  int near[2], i, j, k;
+  for (k = 0; k < 2; ++k) {
+    const double u = (place[k] - g->origin[k])/g->spacing[k] + 0.5;
+    const double most = counts[k] + 1.0, kept = u > -1.0 ? (u < most ? u : most) : -1.0, below = floor(kept),
+                 t = kept - below;
+    near[k] = (int)below;
+    value[k][0] = 0.5*(1.0 - t)*(1.0 - t);
+    value[k][1] = 0.5 + t*(1.0 - t);
+    value[k][2] = 0.5*t*t;
+    first[k][0] = t - 1.0;
+    first[k][1] = 1.0 - 2.0*t;
+    first[k][2] = t;
+  }
+  out[0] = out[1] = out[2] = 0.0;
+  for (j = 0; j < 3; ++j)
+    for (i = 0; i < 3; ++i) {
+      int column = near[0] + i - 1, row = near[1] + j - 1;
+      double z;
+      column = column < 0 ? 0 : column > g->columns - 1 ? g->columns - 1 : column;
+      row = row < 0 ? 0 : row > g->rows - 1 ? g->rows - 1 : row;
+      z = g->heights[row*g->columns + column];
+      out[0] += value[0][i]*value[1][j]*z;
+      out[1] += first[0][i]*value[1][j]*z;
+      out[2] += value[0][i]*first[1][j]*z;
+    }
+  out[1] /= g->spacing[0];
+  out[2] /= g->spacing[1];
+}
+#endif
+
+#if @_ROADS
+/* A grid along a line. */
+typedef struct {
+  int points, across, closed;
+  const double *line, *circles, *v, *height, *along, *sideways; /* circles: x, y, radius, first, count */
+} @_road;
+
+static double @_segment_distance(const @_road *g, int i, double x, double y) {
+  const double *const a = g->line + 4*i, *const b = a + 4;
+  const double tx = b[0] - a[0], ty = b[1] - a[1], px = x - a[0], py = y - a[1];
+  double f = (px*tx + py*ty)/(tx*tx + ty*ty);
+  f = f < 0.0 ? 0.0 : f > 1.0 ? 1.0 : f;
+  return (px - f*tx)*(px - f*tx) + (py - f*ty)*(py - f*ty);
+}
+
+static double @_circle_distance(const double *c, double x, double y) {
+  const double dx = x - c[0], dy = y - c[1], d = sqrt(dx*dx + dy*dy) - c[2];
+  return d > 0.0 ? d : 0.0;
+}
+
+static int @_nearest_segment(const @_road *g, double x, double y) {
+  int waiting[64], count = 0, found = 0;
+  double distance[64], nearest = HUGE_VAL;
+  waiting[count] = 0;
+  distance[count++] = 0.0;
+  while (count > 0) {
+    const int circle = waiting[--count];
+    const double *const c = g->circles + 5*circle;
+    const int first = (int)c[3], of = (int)c[4];
+    int i, swaps;
+    double d0, d1;
+    if (!(distance[count]*distance[count] <= nearest)) continue;
+    for (i = first; i < first + of; ++i) {
+      const double d = @_segment_distance(g, i, x, y);
+      if (d < nearest || (d == nearest && i < found)) {
+        nearest = d;
+        found = i;
+      }
+    }
+    if (of > 0) continue;
+    d0 = @_circle_distance(g->circles + 5*first, x, y);
+    d1 = @_circle_distance(g->circles + 5*(first + 1), x, y);
+    swaps = d1 < d0;
+    waiting[count] = swaps ? first : first + 1;
+    distance[count++] = swaps ? d0 : d1;
+    waiting[count] = swaps ? first + 1 : first;
+    distance[count++] = swaps ? d1 : d0;
+  }
+  return found;
+}
+
+/* segment: f along, v across, with derivatives by x and y */
+static void @_on_segment(const @_road *g, int i, double x, double y, double *at) {
+  const double *const a = g->line + 4*i, *const b = a + 4;
+  const double dx = b[0] - a[0], dy = b[1] - a[1], length = sqrt(dx*dx + dy*dy), tx = dx/length, ty = dy/length;
+  const double turn0 = a[2]*tx + a[3]*ty, turn = b[2]*tx + b[3]*ty - turn0;
+  const double px = x - a[0], py = y - a[1], along = px*tx + py*ty, v = py*tx - px*ty;
+  const double width = length + v*turn, least = 1e-3*length;
+  const int crossed = !(width > least);
+  const double w = crossed ? least : width, f = (along - v*turn0)/w;
+  const double by_s = 1.0/w, by_v = -(turn0 + (crossed ? 0.0 : f*turn))/w;
+  at[0] = f;
+  at[1] = v;
+  at[2] = by_s*tx - by_v*ty;
+  at[3] = by_s*ty + by_v*tx;
+  at[4] = -ty;
+  at[5] = tx;
+}
+
+static double @_ramp(double t, double width, double *first) {
+  const double over = t + 0.5*width;
+  *first = 0.0;
+  if (!(over > 0.0)) return 0.0;
+  if (over >= width) {
+    *first = 1.0;
+    return t;
+  }
+  *first = over/width;
+  return over*over/(2.0*width);
+}
+
+static void @_weights(double t, double width, double before, double behind, double *value, double *first) {
+  double back1, forth1;
+  const double back = @_ramp(-t, width, &back1), forth = @_ramp(t, width, &forth1);
+  value[0] = back/before;
+  value[2] = forth/behind;
+  value[1] = 1.0 - value[0] - value[2];
+  first[0] = -back1/before;
+  first[2] = forth1/behind;
+  first[1] = -first[0] - first[2];
+}
+
+static void @_road_height(const @_road *g, double x, double y, double *out) {
+  const int segments = g->points - 1;
+  double at[6], other[6], u[3], u1[3], v[3], v1[3], f, z = 0.0, zu = 0.0, zv = 0.0;
+  int segment = @_nearest_segment(g, x, y), row, rows[3], section, sections[3], low, high, i, j;
+  @_on_segment(g, segment, x, y, at);
+  if (at[0] < 0.0 || at[0] > 1.0) {
+    const int before = at[0] < 0.0;
+    int next = segment + (before ? -1 : 1);
+    if (g->closed) next = (next + segments)%segments;
+    if (next >= 0 && next < segments) {
+      @_on_segment(g, next, x, y, other);
+      if (before ? other[0] < 1.0 : other[0] > 0.0) {
+        memcpy(at, other, sizeof at);
+        segment = next;
+      }
+    }
+  }
+  f = at[0] < -1.0 ? -1.0 : at[0] > 2.0 ? 2.0 : at[0];
+  row = segment + (f > 0.5 ? 1 : 0);
+  rows[0] = row > 0 ? row - 1 : g->closed ? g->points - 2 : 0;
+  rows[1] = row;
+  rows[2] = row + 1 < g->points ? row + 1 : g->closed ? 1 : g->points - 1;
+  @_weights(f - (row - segment), g->along[row], 1.0, 1.0, u, u1);
+  low = 0;
+  high = g->across;
+  while (low < high) {
+    const int middle = (low + high)/2;
+    if (g->v[middle] > at[1])
+      high = middle;
+    else
+      low = middle + 1;
+  }
+  section = low - 1 < 0 ? 0 : low - 1 > g->across - 1 ? g->across - 1 : low - 1;
+  if (section + 1 < g->across && at[1] - g->v[section] > g->v[section + 1] - at[1]) ++section;
+  sections[0] = section > 0 ? section - 1 : 0;
+  sections[1] = section;
+  sections[2] = section + 1 < g->across ? section + 1 : g->across - 1;
+  @_weights(at[1] - g->v[section], g->sideways[section],
+            section > 0 ? g->v[section] - g->v[section - 1] : HUGE_VAL,
+            section + 1 < g->across ? g->v[section + 1] - g->v[section] : HUGE_VAL, v, v1);
+  for (i = 0; i < 3; ++i) {
+    const double *const heights = g->height + (long)rows[i]*g->across;
+    double here = 0.0, by_v = 0.0;
+    for (j = 0; j < 3; ++j) {
+      here += v[j]*heights[sections[j]];
+      by_v += v1[j]*heights[sections[j]];
+    }
+    z += u[i]*here;
+    zv += u[i]*by_v;
+    zu += u1[i]*here;
+  }
+  out[0] = z;
+  out[1] = zu*at[2] + zv*at[4];
+  out[2] = zu*at[3] + zv*at[5];
+}
+#endif
+)c";
+
+}  // namespace mimbre::portable
