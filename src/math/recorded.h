@@ -69,13 +69,14 @@ class Recording {
     opposite,
     finite,
     select,  ///< b where a holds, else c
-    call,    ///< function `c` of a and b (−1: of a alone), whose results are parts
+    call,    ///< function `c` of a, b and d (−1: of fewer), whose results are parts
     part     ///< result b of the call a
   };
   struct Node {
     Op op;
     std::int32_t a = -1, b = -1, c = -1;
     double number = 0;
+    std::int32_t d = -1;
     bool operator==(const Node&) const = default;
   };
   static bool is_condition(Op op) { return op >= Op::less && op <= Op::finite; }
@@ -173,9 +174,9 @@ struct Recorded {
 /// Any operation of one or two numbers.
 Recorded record(Recording::Op op, const Recorded& a);
 Recorded record(Recording::Op op, const Recorded& a, const Recorded& b);
-/// A call of a function of one or two numbers with so many results, which come next to each other.
+/// A call of a function of up to three numbers with so many results, which come next to each other.
 std::vector<Recorded> record_call(const Recording::Callee& of, const Recorded& a, const Recorded* b,
-                                  int results);
+                                  int results, const Recorded* d = nullptr);
 
 Recorded select(const RecordedCondition& condition, const Recorded& a, const Recorded& b);
 }  // namespace mimbre
@@ -214,8 +215,9 @@ auto choose(const RecordedCondition& condition, const F& f, const G& g) -> declt
 // The functions and formulas of function_values.h, and what kernels do with the values of other scalars.
 
 /// Functions that recordings call. Of a FunctionData: its value with both derivatives, or its antiderivative.
-/// Of an IntegralFunction: its integral from 0. Of a RoadData: the height with its slopes, and friction.
-enum class RecordedCallee { function, antiderivative, integral, road };
+/// Of an IntegralFunction: its integral from 0. Of a RoadData: the height with its slopes, and friction. Of a
+/// TriangleMesh: the distance of a point, and the normal there.
+enum class RecordedCallee { function, antiderivative, integral, road, mesh };
 
 inline double in_lane(const Recorded& x, int) { return x.value(); }
 Recorded value_at(const FunctionData& f, const Recorded& x);

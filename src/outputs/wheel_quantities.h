@@ -3,6 +3,10 @@
 
 #include "compile/compiled.h"
 #include "forces/element.h"
+#include "forces/measure_wheel.h"
+#include "math/elementary.h"
+#include "math/smooth.h"
+#include "spec/force_law.h"
 
 /// What there is of a tyre that rolls, besides its vertical force, in the axes of its contact
 /// (forces/measure_wheel.h): those of ISO 8855, forces and moments of the road on the wheel.
@@ -25,8 +29,19 @@ inline constexpr std::array wheel_quantities{
 };
 constexpr int first_wheel_moment = 2, first_wheel_slip = 5;
 
-/// After the forces; `to`: one value for each of these.
-void read_wheel(const Compiled& model, const ElementData& tyre, const ElementState<const double>& state,
-                double* to);
+/// After the forces; `to`: one value for each of these. Slips of slower wheels than what the tyre's law takes
+/// for slow are over that speed.
+template <class T, class State>
+void read_wheel(const Compiled& m, const ElementData& tyre, const State& s, T* to) {
+  using mimbre::atan2;
+  const auto touches = s.x[wheel::gap] < T(0);
+  const T none(0), slow(law_info(tyre.law).slow_speed(m.numbers.data() + tyre.numbers));
+  for (int k = wheel::forth; k < s.count; ++k) *to++ = select(touches, T(-s.force[k]), none);
+  const T speed = smooth::size(T(s.surroundings[wheel::forward]), slow);
+  *to++ = select(touches, T(-s.v[wheel::forth] / speed), none);
+  *to++ = select(touches, T(atan2(T(s.v[wheel::across]), speed)), none);
+  *to++ = s.surroundings[wheel::camber];
+  *to++ = select(touches, T(-s.x[wheel::gap]), none);
+}
 
 }  // namespace mimbre

@@ -64,8 +64,7 @@ class Search {
         wait_.push_back(node.a);
         return;
       case Op::call:
-        wait_.push_back(node.a);
-        wait_.push_back(node.b);
+        wait_.insert(wait_.end(), {node.a, node.b, node.d});
         return;
       default:
         if (!is_age(node)) wait_.insert(wait_.end(), {node.a, node.b, node.c});

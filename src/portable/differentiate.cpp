@@ -65,6 +65,7 @@ class Variation {
       case Op::call:
         f(n.a);
         if (n.op == Op::call && n.b >= 0) f(n.b);
+        if (n.op == Op::call && n.d >= 0) f(n.d);
         return;
       default:
         if (Recording::is_condition(n.op)) return;
@@ -169,8 +170,9 @@ class Variation {
   /// Parts of functions are the value and its derivatives; of roads the height and its slopes, and friction.
   Recorded part(const Node& n) {
     const Node call = node(n.a);
-    const Recorded dx = known_.at(call.a), dy = call.b < 0 ? Recorded(0) : known_.at(call.b);
-    if (is_zero(dx) && is_zero(dy)) return 0;
+    const Recorded dx = known_.at(call.a), dy = call.b < 0 ? Recorded(0) : known_.at(call.b),
+                   dz = call.d < 0 ? Recorded(0) : known_.at(call.d);
+    if (is_zero(dx) && is_zero(dy) && is_zero(dz)) return 0;
     const Recording::Callee of = program_.recording.callees()[static_cast<std::size_t>(call.c)];
     const auto other = [&](int part) {
       return Recorded::of_node(program_.recording.node({Op::part, n.a, part, -1, 0}));
@@ -183,8 +185,12 @@ class Variation {
       return value_at(static_cast<const IntegralFunction*>(of.data)->f.front(), x) * dx;
     if (of.kind == static_cast<int>(RecordedCallee::road) && n.b == 0) return other(1) * dx + other(2) * dy;
     if (of.kind == static_cast<int>(RecordedCallee::road) && n.b == 3) return 0;
+    if (of.kind == static_cast<int>(RecordedCallee::mesh) && n.b == 0)
+      return other(1) * dx + other(2) * dy + other(3) * dz;
     throw NotRecordable(of.kind == static_cast<int>(RecordedCallee::road)
                             ? "has a road whose slopes have no derivatives"
+                        : of.kind == static_cast<int>(RecordedCallee::mesh)
+                            ? "has a contact with triangles, whose normal has no derivatives"
                             : "has a function whose derivatives are not known that far");
   }
 

@@ -70,6 +70,7 @@ class Generator {
     out_.source += write_callees(recorded_->program.recording, name_);
     out_.source += phases.text;
     write_exchange();
+    write_samples();
     out_.source += named(linear_text, name_) + named(finite_text, name_) + named(integrator_text, name_) +
                    named(interface_text, name_);
     if (out_.varies) out_.source += named(variations_text, name_);
@@ -102,9 +103,13 @@ class Generator {
                            factor + solve + 4 * j + 30 * n;
     const long projection = 6 * (solve + 4 * j + 4 * n);
     const bool equations = m_.equations > 0;
-    out_.operations = of("origin") + of("signals_step") + method_.max_iterations * iteration + of("retract") +
-                      of("motion") * (equations ? 7 : 1) + (equations ? 7 * projection : 0) + sight +
-                      of("commit") + 20 * n;
+    long samples = 0;
+    for (std::size_t k = 0; k < recorded_->program.phases.size(); ++k)
+      if (recorded_->program.phases[k].name.starts_with("sample_")) samples += phases.operations[k];
+    if (samples > 0) samples += of("motion") + of("sense_rest") + of("see_rest") + of("forces_rest");
+    out_.operations = samples + of("origin") + of("signals_step") + method_.max_iterations * iteration +
+                      of("retract") + of("motion") * (equations ? 7 : 1) + (equations ? 7 * projection : 0) +
+                      sight + of("commit") + 20 * n;
   }
 
   int size_of(Memory memory) const { return recorded_->program.sizes[static_cast<std::size_t>(memory)]; }
@@ -248,6 +253,7 @@ class Generator {
     define("ITERATIONS", static_cast<long>(method_.max_iterations));
     define("LOADS", static_cast<long>(r.loads));
     define("START_ROUNDS", r.loads ? 40L : 8L);
+    define("SAMPLED", std::ssize(m_.signals.sampled));
     define("CIRCLE", static_cast<long>(r.circle.size()));
     define("SIGNAL_ROUNDS", static_cast<long>(most_signal_rounds));
     define("DEPTH", 5L);
@@ -337,6 +343,30 @@ class Generator {
     s += "};\n";
     s += table(name_ + "_unknown", std::vector<int>(b.unknowns().begin(), b.unknowns().end()));
     s += table(name_ + "_row", std::vector<int>(b.rows().begin(), b.rows().end()));
+  }
+
+  /// What is evaluated at instants: where its values are held, and of a block what it remembers.
+  void write_samples() {
+    const SignalsData& d = m_.signals;
+    if (d.sampled.empty()) return;
+    std::string& s = out_.source;
+    s += named(
+        "typedef struct {\n  int held, values, block, memory;\n  double every;\n} @_sampled;\nstatic const "
+        "@_sampled @_all_sampled[] = {\n",
+        name_);
+    for (const SignalsData::Sampled& of : d.sampled) {
+      const SignalsData::Block* b = of.block < 0 ? nullptr : &d.blocks[static_cast<std::size_t>(of.block)];
+      s += fmt::format("  {{{}, {}, {}, {}, {}}},\n", of.held, of.values, b ? b->held : -1,
+                       b ? b->memory() : 0, literal(of.every));
+    }
+    s += named("};\nstatic void @_evaluate_sampled(@ *s, int k, int begun) {\n  switch (k) {\n", name_);
+    for (std::size_t k = 0; k < d.sampled.size(); ++k) {
+      s += fmt::format("    case {}:\n", k);
+      if (d.sampled[k].block >= 0)
+        s += fmt::format("      if (!begun) {0}_sample_{1}_first(s);\n      if (begun)\n  ", name_, k);
+      s += fmt::format("      {}_sample_{}_next(s);\n      break;\n", name_, k);
+    }
+    s += "    default:\n      break;\n  }\n  (void)begun;\n}\n\n";
   }
 
   void write_exchange() {

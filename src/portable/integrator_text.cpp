@@ -659,6 +659,34 @@ static void @_look(@ *s) {
   @_sense(s, instant);
 }
 
+#if @_SAMPLED > 0
+/* What is evaluated at instants and due now. */
+static void @_sample(@ *s) {
+  int k, i, looked = 0;
+  for (k = 0; k < @_SAMPLED; ++k) {
+    const @_sampled *const t = @_all_sampled + k;
+    double *const at = s->state.u + t->held, *const due = at + t->values, *const made = due + 1;
+    if (s->state.time < *due - 1e-6*t->every) continue;
+    if (!looked) {
+      @_look(s);
+      @_residual_rest(s);
+      looked = 1;
+    }
+    @_evaluate_sampled(s, k, t->block >= 0 && s->state.u[t->block] > 0.5);
+    for (i = 0; i < t->values; ++i) {
+      if (s->sampled[i] == at[i]) continue;
+      at[i] = s->sampled[i];
+#if @_BLOCKS
+      s->state.u[@_CLOCK + 1] = 1.0;
+#endif
+    }
+    for (i = 0; i < t->memory; ++i) s->state.u[t->block + i] = s->sampled[t->values + i];
+    *made = s->state.time;
+    *due = (floor(s->state.time/t->every + 1e-6) + 1.0)*t->every;
+  }
+}
+#endif
+
 void @_init(@ *s) {
   memset(s, 0, sizeof *s);
   s->state.time = @_START_TIME;
@@ -725,6 +753,9 @@ double @_get_input(const @ *s, int input) {
 int @_step(@ *s) {
   int status;
   s->iterations = s->factorisations = s->unconverged = 0;
+#if @_SAMPLED > 0
+  @_sample(s);
+#endif
 #if @_BLOCKS
   if (s->state.u[@_CLOCK + 1] > 0.0) {
     @_look(s);

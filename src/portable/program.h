@@ -42,8 +42,9 @@ enum class Memory {
   next_states,
   next_held,
   output,
-  loads,  ///< of inertia that stiffen bodies: their part of the residual
-  ahead,  ///< what blocks make that close loops of signals, before and after a round
+  sampled,  ///< what is made at an instant, then what a block keeps of it
+  loads,    ///< of inertia that stiffen bodies: their part of the residual
+  ahead,    ///< what blocks make that close loops of signals, before and after a round
   made,
   unsettled,  ///< in that round: of each of them whether it changes, and whether by more than round-off
   lost,

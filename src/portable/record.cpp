@@ -12,6 +12,7 @@
 #include "dynamics/tangent_marks.h"
 #include "linalg/block_factor_impl.h"
 #include "outputs/frame_angles.h"
+#include "outputs/wheel_quantities.h"
 #include "portable/continuous_rates.h"
 #include "portable/differentiate.h"
 #include "signals/blocks/table.h"
@@ -68,6 +69,7 @@ class Recorder {
     record_forces();
     record_loads();
     record_outputs();
+    record_samples();
     record_matrix();
     record_exchange();
     record_steps();
@@ -312,6 +314,29 @@ class Recorder {
       p_.store(Memory::next_held, static_cast<int>(k), next_held_[k]);
   }
 
+  /// A block's states now: of sampled ones from the next instant on.
+  static void keep_states(BlockCall<T> call, std::string_view type, T* states) {
+    std::array<T, most_block_outputs> next;
+    call.out = next.data();
+    if (type == "pid") {
+      T integral, filtered;
+      blocks::pid::output_and<T>(call, &integral, &filtered, nullptr);
+      states[blocks::pid::integral] = integral;
+      states[blocks::pid::filtered] = filtered;
+    } else if (type == "rate_limit") {
+      blocks::rate_limit::output<T>(call);
+      states[0] = next[0];
+    } else if (type == "transfer_function" || type == "state_space") {
+      const auto now =
+          call.sampled() ? blocks::linear::next_states_of<T>(call) : blocks::linear::states_of<T>(call);
+      for (int k = 0; k < call.states; ++k) states[k] = now[static_cast<std::size_t>(k)];
+    } else if (type == "hysteresis") {
+      states[0] = blocks::hysteresis::decided<T>(call);
+    } else if (call.states > 0) {
+      throw NotRecordable(fmt::format("has a block of type {}", type));
+    }
+  }
+
   void keep_block(const SignalsData::Block& b, Instant i) {
     const SignalValues<T>& s = w_.signals;
     const BlockInputs<T> in = block_inputs(b, s);
@@ -319,23 +344,7 @@ class Recorder {
     call.in = in.data();
     T* to = next_held_.data() + b.held;
     T* states = to + 1 + b.inputs;
-    const std::string_view type = blocks::infos[static_cast<std::size_t>(b.type)]->name;
-    if (type == "pid") {
-      T integral, filtered;
-      blocks::pid::output_and<T>(call, &integral, &filtered, nullptr);
-      states[blocks::pid::integral] = integral;
-      states[blocks::pid::filtered] = filtered;
-    } else if (type == "rate_limit") {
-      T next;
-      call.out = &next;
-      blocks::rate_limit::output<T>(call);
-      states[0] = next;
-    } else if (type == "transfer_function" || type == "state_space") {
-      const auto next = blocks::linear::states_of<T>(call);
-      for (int k = 0; k < b.states; ++k) states[k] = next[static_cast<std::size_t>(k)];
-    } else if (b.states > 0) {
-      throw NotRecordable(fmt::format("has a block of type {}", type));
-    }
+    keep_states(call, blocks::infos[static_cast<std::size_t>(b.type)]->name, states);
     // Whether it has begun.
     to[0] = i == Instant::step ? T(1) : p_.input(Memory::held, b.held);
     for (int k = 0; k < b.inputs; ++k) to[1 + k] = in[static_cast<std::size_t>(k)];
@@ -730,6 +739,13 @@ class Recorder {
 
   T element_force(int element) { return element_state(m_.elements[element], rest_elements_.data()).force[0]; }
 
+  T wheel_quantity(int tyre, int quantity) {
+    const ElementData& e = m_.elements[m_.first_tyre + tyre];
+    std::array<T, wheel_quantities.size()> values;
+    read_wheel(m_, e, element_state(e, rest_elements_.data()), values.data());
+    return values[static_cast<std::size_t>(quantity)];
+  }
+
   /// The value of an output of the model. Throws NotRecordable where it is of a kind that the code has not.
   T value(const spec::Output& o) {
     const std::string& kind = o.kind;
@@ -778,6 +794,11 @@ class Recorder {
     if (kind == "spring_force") return element_force(o.item);
     if (kind == "spring_length") return element_state(m_.elements[o.item], rest_elements_.data()).x[0];
     if (kind == "tyre_force" && o.component == 0) return -element_force(m_.first_tyre + o.item);
+    for (const auto& [name, first] :
+         {std::pair("tyre_force", -1), std::pair("tyre_moment", first_wheel_moment),
+          std::pair("tyre_slip", first_wheel_slip), std::pair("tyre_slip_angle", first_wheel_slip + 1),
+          std::pair("tyre_camber", first_wheel_slip + 2), std::pair("tyre_deflection", first_wheel_slip + 3)})
+      if (kind == name) return wheel_quantity(o.item, first + (first < first_wheel_slip ? o.component : 0));
     throw NotRecordable(kind);
   }
 
@@ -821,6 +842,68 @@ class Recorder {
                    fmt::format("coordinate {} of joint '{}'", k, joint.name),
                    of.positions[static_cast<std::size_t>(k)]);
     }
+  }
+
+  // Instants.
+  T seen(const SignalsData::Seen& of) {
+    std::array<T, Formula::most_variables> x;
+    for (std::size_t k = 0; k < of.arguments.size(); ++k) {
+      const SignalsData::Seen::Argument& a = of.arguments[k];
+      x[k] = a.sensor >= 0 ? value(m_.spec().sensors[static_cast<std::size_t>(a.sensor)])
+                           : slots_[static_cast<std::size_t>(a.slot)].value;
+    }
+    return value_at(of.formula, x.data());
+  }
+  /// What is evaluated at instants: of blocks the first time and later.
+  void record_samples() {
+    const SignalsData& d = m_.signals;
+    for (std::size_t k = 0; k < d.sampled.size(); ++k) {
+      const SignalsData::Sampled& s = d.sampled[k];
+      for (const bool first : {true, false})
+        if (s.block >= 0 || !first)
+          record_sample(s, fmt::format("sample_{}_{}", k, first ? "first" : "next"), first);
+    }
+  }
+  void record_sample(const SignalsData::Sampled& s, const std::string& name, bool first) {
+    const SignalsData& d = m_.signals;
+    int number = 0, at = 0;
+    phase(number, name, {origin_, motion_, rest_});
+    enter(Instant::rest);
+    read_slots();
+    std::array<T, most_block_inputs> in;
+    for (std::size_t k = 0; k < s.inputs.size(); ++k) {
+      try {
+        in[k] = seen(s.inputs[k]);
+      } catch (const NotRecordable& kind) {
+        throw NotRecordable(fmt::format(
+            "has a signal with 'every' that sees a {}, which the code does not have", kind.what()));
+      }
+    }
+    if (s.block < 0) return p_.store(Memory::sampled, 0, in[0]);
+    const SignalsData::Block& b = d.blocks[static_cast<std::size_t>(s.block)];
+    const T* held = held_.data() + b.held;
+    std::array<T, most_block_outputs> out;
+    const BlockCall<T> call{d.numbers.data() + b.numbers,
+                            nullptr,
+                            b.function < 0 ? nullptr : &d.functions[static_cast<std::size_t>(b.function)],
+                            b.inputs,
+                            b.outputs,
+                            b.states,
+                            s.every,
+                            std::numeric_limits<double>::quiet_NaN(),
+                            first ? 0 : s.every,
+                            !first,
+                            held + 1 + b.inputs,
+                            held + 1,
+                            in.data(),
+                            out.data()};
+    blocks::rows<T>[static_cast<std::size_t>(b.type)].output(call);
+    for (int k = 0; k < b.outputs; ++k) p_.store(Memory::sampled, at++, out[static_cast<std::size_t>(k)]);
+    std::vector<T> states(static_cast<std::size_t>(b.states));
+    keep_states(call, blocks::infos[static_cast<std::size_t>(b.type)]->name, states.data());
+    p_.store(Memory::sampled, at++, T(1));
+    for (int k = 0; k < b.inputs; ++k) p_.store(Memory::sampled, at++, in[static_cast<std::size_t>(k)]);
+    for (const T& x : states) p_.store(Memory::sampled, at++, x);
   }
 
   struct Slot {

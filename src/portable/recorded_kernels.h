@@ -40,8 +40,10 @@ inline void user_law<Recorded>(const LawContext<Recorded>&, ElementState<Recorde
 
 namespace surfaces {
 template <>
-inline Touch<Recorded> Mesh::touch<Recorded>(const SurfaceData&, const Vec3<Recorded>&) {
-  throw NotRecordable("has contacts with surfaces of triangles");
+inline Touch<Recorded> Mesh::touch<Recorded>(const SurfaceData& s, const Vec3<Recorded>& p) {
+  const std::vector<Recorded> parts =
+      record_call({&s.mesh, 0, static_cast<int>(RecordedCallee::mesh)}, p[0], &p[1], 4, &p[2]);
+  return {parts[0], Vec3<Recorded>(parts[1], parts[2], parts[3])};
 }
 }  // namespace surfaces
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "compile/element_name.h"
 #include "forces/surfaces/table.h"
 #include "portable/continuous_rates.h"
@@ -34,6 +36,22 @@ class Refusals {
     add_of_bodies();
     add_of_elements();
     add_of_signals();
+  }
+
+  /// From one instant to the next code counts one interval, which is so where steps are short enough.
+  void add_of_instants(double step) {
+    const auto look = [&](const std::string& name, const Mark& mark, double every) {
+      const double steps = every / step;
+      if (every > 0 && steps < 2.01 && std::abs(steps - std::round(steps)) > 1e-6 * steps)
+        add(mark,
+            fmt::format(
+                "signal '{}' is evaluated every {} s: that needs steps of that length or less than half "
+                "of it, not of {} s",
+                name, every, step));
+    };
+    for (const spec::Block& b : m_.spec().blocks) look(b.name, b.mark, b.every);
+    for (const spec::Signal& s : m_.spec().signals)
+      if (s.block < 0) look(s.name, s.mark, s.every);
   }
 
  private:
@@ -69,11 +87,9 @@ class Refusals {
   }
 
   void add_of_elements() {
-    bool meshes = false, swarms = false;
+    bool swarms = false;
     for (const ElementData& e : m_.elements) {
       swarms = swarms || e.pooled;
-      if (e.surface >= 0)
-        meshes = meshes || !m_.surfaces[static_cast<std::size_t>(e.surface)].mesh.triangles.empty();
       if (e.user)
         add(
             fmt::format("{} has a law of your own, of which the library knows no formula: write it as an "
@@ -81,7 +97,6 @@ class Refusals {
                         element_name(m_, e)));
     }
     if (swarms) add("code is not made of swarms, whose pairs change from step to step");
-    if (meshes) add("code is not made of contacts with surfaces of triangles: take spheres, boxes or planes");
   }
 
   void add_of_signals() {
@@ -96,19 +111,12 @@ class Refusals {
                         b.name));
         continue;
       }
-      if (b.every > 0)
-        add(b.mark, fmt::format("signal '{}' is sampled, which code is not yet: leave 'every' away", b.name));
-      if (b.type == "delay" || b.type == "hysteresis" || b.type == "noise")
+      if (b.type == "delay" || (b.type == "hysteresis" && !(b.every > 0)) || b.type == "noise")
         add(b.mark, fmt::format("signal '{}' is of a block {}, of which code is not made", b.name, b.type));
       if (b.type == "table_2d")
         add(b.mark,
             fmt::format("signal '{}' is of a table of two variables, of which code is not made", b.name));
     }
-    for (const SignalsData::Sampled& s : d.sampled)
-      if (s.block < 0) {
-        add("a signal is evaluated at instants, which code is not yet: leave 'every' away");
-        break;
-      }
   }
 
   const Compiled& m_;
@@ -122,6 +130,7 @@ std::vector<Diagnostic> refusals(const Compiled& m, const Method& method) {
   using Rule = spec::Simulation::Integrator;
   Refusals all(m);
   all.add_of_model(method);
+  all.add_of_instants(method.step);
   if (method.formalism != spec::Simulation::Formalism::index3)
     all.add("code is made of the formalism index3 only: formalism: index3");
   if (method.integrator == Rule::conserve || method.integrator == Rule::rk4 ||
@@ -171,6 +180,11 @@ std::vector<Diagnostic> exchange_refusals(const Compiled& m, const Method& metho
                                      "accelerations; {}, or take stiffening: linear",
                                      body.name, instead));
     }
+  if (!m.signals.sampled.empty())
+    all.add(fmt::format(
+        "signals are evaluated at instants, which the solver of another program does not stop at; leave "
+        "'every' away, or {}",
+        instead));
   if (m.signals.moving_loops)
     all.add(fmt::format("signals go around in loops, which are settled step by step; {}", instead));
   for (const ConstraintData& c : m.constraints) {

@@ -315,4 +315,151 @@ static void @_road_height(const @_road *g, double x, double y, double *out) {
 #endif
 )c";
 
+const char* const meshes_text = R"c(
+/* Triangles: corners, normals of these, and a tree of boxes, low and high. */
+typedef struct {
+  const double *vertex, *normal, *box;
+  const int *triangle, *neighbour, *node;
+} @_mesh;
+
+static double @_dot3(const double *a, const double *b) { return a[0]*b[0] + a[1]*b[1] + a[2]*b[2]; }
+
+static void @_normalise(double *x) {
+  const double length = sqrt(@_dot3(x, x));
+  int k;
+  if (length > 0.0)
+    for (k = 0; k < 3; ++k) x[k] /= length;
+}
+
+static double @_box_distance(const @_mesh *m, int node, const double *p) {
+  const double *const low = m->box + 6*(long)node, *const high = low + 3;
+  double sum = 0.0;
+  int k;
+  for (k = 0; k < 3; ++k) {
+    const double below = low[k] - p[k], above = p[k] - high[k], d = below > above ? below : above;
+    if (d > 0.0) sum += d*d;
+  }
+  return sum;
+}
+
+static void @_face_normal(const @_mesh *m, int triangle, double *n) {
+  const int *const t = m->triangle + 3*(long)triangle;
+  const double *const a = m->vertex + 3*(long)t[0], *const b = m->vertex + 3*(long)t[1], *const c = m->vertex + 3*(long)t[2];
+  double u[3], v[3];
+  int k;
+  for (k = 0; k < 3; ++k) {
+    u[k] = b[k] - a[k];
+    v[k] = c[k] - a[k];
+  }
+  n[0] = u[1]*v[2] - u[2]*v[1];
+  n[1] = u[2]*v[0] - u[0]*v[2];
+  n[2] = u[0]*v[1] - u[1]*v[0];
+  @_normalise(n);
+}
+
+/* The point of a triangle nearest to p; where it lies: 0 to 2 a corner, 3 to 5 the edge from there, 6 the face. */
+static int @_nearest_in_triangle(const @_mesh *m, int triangle, const double *p, double *out) {
+  const int *const t = m->triangle + 3*(long)triangle;
+  const double *const a = m->vertex + 3*(long)t[0], *const b = m->vertex + 3*(long)t[1], *const c = m->vertex + 3*(long)t[2];
+  double ab[3], ac[3], ap[3], bp[3], cp[3], d1, d2, d3, d4, d5, d6, of_a, of_b, of_c, v = 0.0, w = 0.0;
+  int k, where = 6;
+  for (k = 0; k < 3; ++k) {
+    ab[k] = b[k] - a[k];
+    ac[k] = c[k] - a[k];
+    ap[k] = p[k] - a[k];
+    bp[k] = p[k] - b[k];
+    cp[k] = p[k] - c[k];
+  }
+  d1 = @_dot3(ab, ap);
+  d2 = @_dot3(ac, ap);
+  d3 = @_dot3(ab, bp);
+  d4 = @_dot3(ac, bp);
+  d5 = @_dot3(ab, cp);
+  d6 = @_dot3(ac, cp);
+  of_c = d1*d4 - d3*d2;
+  of_b = d5*d2 - d1*d6;
+  of_a = d3*d6 - d5*d4;
+  if (d1 <= 0.0 && d2 <= 0.0)
+    where = 0;
+  else if (d3 >= 0.0 && d4 <= d3)
+    where = 1;
+  else if (d6 >= 0.0 && d5 <= d6)
+    where = 2;
+  else if (of_c <= 0.0 && d1 >= 0.0 && d3 <= 0.0)
+    where = 3;
+  else if (of_a <= 0.0 && d4 >= d3 && d5 >= d6)
+    where = 4;
+  else if (of_b <= 0.0 && d2 >= 0.0 && d6 <= 0.0)
+    where = 5;
+  if (where < 3) {
+    const double *const corner = m->vertex + 3*(long)t[where];
+    for (k = 0; k < 3; ++k) out[k] = corner[k];
+    return where;
+  }
+  if (where == 4) {
+    v = (d4 - d3)/((d4 - d3) + (d5 - d6));
+    for (k = 0; k < 3; ++k) out[k] = b[k] + v*(c[k] - b[k]);
+    return where;
+  }
+  if (where == 3) v = d1/(d1 - d3);
+  if (where == 5) w = d2/(d2 - d6);
+  if (where == 6) {
+    const double all = of_a + of_b + of_c;
+    v = of_b/all;
+    w = of_c/all;
+  }
+  for (k = 0; k < 3; ++k) out[k] = a[k] + v*ab[k] + w*ac[k];
+  return where;
+}
+
+/* The distance of a point, negative inside, and the normal there. */
+static void @_touch(const @_mesh *m, double x, double y, double z, double *out) {
+  const double p[3] = {x, y, z};
+  int waiting[64], count = 0, triangle = 0, where = 6, k, i;
+  double least = HUGE_VAL, found[3], point[3], n[3], away[3], length, side;
+  const int *t;
+  for (k = 0; k < 3; ++k) found[k] = p[k];
+  waiting[count++] = 0;
+  while (count > 0) {
+    const int node = waiting[--count], first = m->node[2*(long)node], of = m->node[2*(long)node + 1];
+    if (@_box_distance(m, node, p) >= least) continue;
+    if (of == 0) {
+      const int swap = @_box_distance(m, first, p) < @_box_distance(m, first + 1, p);
+      waiting[count++] = first + (swap ? 1 : 0);
+      waiting[count++] = first + (swap ? 0 : 1);
+      continue;
+    }
+    for (i = first; i < first + of; ++i) {
+      const int at = @_nearest_in_triangle(m, i, p, point);
+      double square = 0.0;
+      for (k = 0; k < 3; ++k) square += (p[k] - point[k])*(p[k] - point[k]);
+      if (square >= least) continue;
+      least = square;
+      for (k = 0; k < 3; ++k) found[k] = point[k];
+      triangle = i;
+      where = at;
+    }
+  }
+  t = m->triangle + 3*(long)triangle;
+  @_face_normal(m, triangle, n);
+  if (where < 3) {
+    for (k = 0; k < 3; ++k) n[k] = m->normal[3*(long)t[where] + k];
+    @_normalise(n);
+  } else if (where < 6) {
+    const int other = m->neighbour[3*(long)triangle + where - 3];
+    if (other >= 0) {
+      double next[3];
+      @_face_normal(m, other, next);
+      for (k = 0; k < 3; ++k) n[k] += next[k];
+      @_normalise(n);
+    }
+  }
+  for (k = 0; k < 3; ++k) away[k] = p[k] - found[k];
+  length = sqrt(least);
+  side = @_dot3(away, n) < 0.0 ? -1.0 : 1.0;
+  out[0] = side*length;
+  for (k = 0; k < 3; ++k) out[1 + k] = where == 6 || !(length > 0.0) ? n[k] : side/length*away[k];
+}
+)c";
+
 }  // namespace mimbre::portable

@@ -81,6 +81,7 @@ void for_arguments(const Recording::Node& n, const F& f) {
   if (n.op == Op::part) return;
   if (n.b >= 0) f(n.b);
   if (n.op == Op::select && n.c >= 0) f(n.c);
+  if (n.d >= 0) f(n.d);
 }
 
 /// The operation of a node in C, `of(k)` the text of a node that it needs.
@@ -124,8 +125,10 @@ std::string expression(const Recording::Node& n, const Of& of) {
 /// A call, whose results are c0, c1, … by the number of its node.
 template <class Of>
 std::string call(const Recording::Node& n, int k, const std::string& name, const Of& of) {
-  const std::string second = n.b < 0 ? "" : ", " + of(n.b);
-  return fmt::format("  double c{0}[4];\n  {1}_call_{2}({3}{4}, c{0});\n", k, name, n.c, of(n.a), second);
+  std::string others;
+  for (const int other : {n.b, n.d})
+    if (other >= 0) others += ", " + of(other);
+  return fmt::format("  double c{0}[4];\n  {1}_call_{2}({3}{4}, c{0});\n", k, name, n.c, of(n.a), others);
 }
 
 const char* type_of(Op op) { return Recording::is_condition(op) ? "int" : "double"; }

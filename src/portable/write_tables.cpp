@@ -72,6 +72,27 @@ std::string grid_tables(const std::string& name, const std::string& at, const Ro
              name, at, roads::grid::points(g), g.v.size(), g.closed);
 }
 
+std::string mesh_tables(const std::string& name, const std::string& at, const TriangleMesh& mesh) {
+  std::vector<double> vertices, normals, boxes;
+  std::vector<int> triangles, neighbours, nodes;
+  for (const Vec3d& x : mesh.vertices) vertices.insert(vertices.end(), x.data(), x.data() + 3);
+  for (const Vec3d& x : mesh.vertex_normals) normals.insert(normals.end(), x.data(), x.data() + 3);
+  for (const std::array<int, 3>& t : mesh.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
+  for (const std::array<int, 3>& t : mesh.neighbours) neighbours.insert(neighbours.end(), t.begin(), t.end());
+  for (const TriangleMesh::Node& n : mesh.nodes) {
+    boxes.insert(boxes.end(), n.low.data(), n.low.data() + 3);
+    boxes.insert(boxes.end(), n.high.data(), n.high.data() + 3);
+    nodes.insert(nodes.end(), {n.first, n.count});
+  }
+  return table(at + "_vertices", vertices) + table(at + "_normals", normals) + table(at + "_boxes", boxes) +
+         table(at + "_triangles", triangles) + table(at + "_neighbours", neighbours) +
+         table(at + "_nodes", nodes) +
+         fmt::format(
+             "static const {0}_mesh {1} = {{{1}_vertices, {1}_normals, {1}_boxes, {1}_triangles, "
+             "{1}_neighbours, {1}_nodes}};\n",
+             name, at);
+}
+
 std::string friction_text(const RoadData& road) {
   std::string out = fmt::format("  out[3] = {};\n", literal(road.friction));
   for (const RoadData::Patch& p : road.patches)
@@ -107,6 +128,14 @@ class Callees {
         case RecordedCallee::road:
           write_road(*static_cast<const RoadData*>(all[k].data), all[k].number, call, at);
           break;
+        case RecordedCallee::mesh:
+          meshes_ = true;
+          calls_ += mesh_tables(name_, at, *static_cast<const TriangleMesh*>(all[k].data)) +
+                    fmt::format(
+                        "static void {}(double x, double y, double z, double *out) {{\n"
+                        "  {}_touch(&{}, x, y, z, out);\n}}\n\n",
+                        call, name_, at);
+          break;
       }
     }
   }
@@ -120,6 +149,7 @@ class Callees {
     if (functions_ || integrals_) out += named(functions_text, name_);
     if (formulas_) out += named(formulas_text, name_);
     if (grids_ || along_) out += named(roads_text, name_);
+    if (meshes_) out += named(meshes_text, name_);
     return out + "\n" + calls_;
   }
 
@@ -160,7 +190,7 @@ class Callees {
 
   const std::string name_;
   bool functions_ = false, integrals_ = false, profiles_ = false, formulas_ = false, grids_ = false,
-       along_ = false;
+       along_ = false, meshes_ = false;
   std::string calls_;
 };
 

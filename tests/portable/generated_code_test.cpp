@@ -237,6 +237,58 @@ actuators:
   EXPECT_TRUE(std::isnan(made.output(1000)));
 }
 
+/// A digital controller: what it sees, remembers and holds.
+TEST(GeneratedCode, EvaluatesSignalsAtInstants) {
+  std::string text = four_bar_text({{"rocker", ", cut: always, spring: {stiffness: 4, damping: 0.2}"}});
+  const auto model = model_of(text + R"yaml(
+inputs:
+  wanted: {start: 0.2, range: [-1, 1]}
+signals:
+  angle: {joint: crank, every: 0.02}
+  tip: {position: coupler, component: x, every: 0.01}
+  servo: {pid: angle, setpoint: wanted, kp: 2, ki: 3, kd: 0.05, filter: 0.04, upper: 4, lower: -4, every: 0.02}
+  notch: {transfer_function: servo + 0.1*tip, numerator: [1, 0.2], denominator: [1, -0.3, 0.1], every: 0.02}
+  above: {hysteresis: tip, rises_at: 0.31, falls_at: 0.29, every: 0.01}
+  slow: {rate_limit: "above > 0.5 ? servo : notch", rising: 20, falling: -30, every: 0.047}
+  smooth: {transfer_function: slow, numerator: [1], denominator: [0.01, 1]}
+actuators:
+  motor: {joint: crank, torque: 0.5*servo + 0.5*smooth}
+simulation: {step: 10 ms}
+)yaml");
+  const GeneratedCode code = generate_code(model, {}, "digital");
+  Code made(code);
+  EXPECT_LE(difference(model, code, made), 2e-9);  // round-off grows as it moves back and forth
+}
+
+/// A ball at the end of an arm on a tetrahedron: faces, edges and corners of triangles.
+TEST(GeneratedCode, TouchesTriangles) {
+  const auto model = model_of(R"yaml(
+bodies:
+  arm: {mass: 0.2, com: [0, 0, 0.5], inertia: [0.02, 0.02, 0.02]}
+  ball: {mass: 0.5, com: [0, 0, 1], inertia: [0.005, 0.005, 0.005]}
+joints:
+  turn: {type: universal, between: [ground, arm], at: [0, 0, 0], axis: [1, 0, 0], axis2: [0, 1, 0], position: [0.2, 0.1]}
+  reach: {type: prismatic, between: [arm, ball], at: [0, 0, 1], axis: [0, 0, 1], spring: {stiffness: 200, damping: 1}}
+surfaces:
+  rock:
+    type: mesh
+    at: [0.3, -0.2, 0.7]
+    vertices: [[-0.3, -0.3, 0], [0.4, -0.2, 0], [0, 0.5, 0.1], [0.05, 0, 0.4]]
+    triangles: [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+contacts:
+  touch:
+    spheres: {on: ball, at: [[0, 0, 1]], radius: 0.1}
+    surfaces: [rock]
+    stiffness: 2e4
+    restitution: 0.5
+    friction: 0.3
+simulation: {step: 1 ms}
+)yaml");
+  const GeneratedCode code = generate_code(model, {}, "touching");
+  Code made(code);
+  EXPECT_LE(difference(model, code, made, 2), 1e-9);
+}
+
 /// A rod that starts fast and is stiffened by what its own inertia does to it.
 TEST(GeneratedCode, StartsWithLoadsOfInertia) {
   const auto model = example("slider-crank/slider-crank.yaml", {{"approach", "geometric_stiffness"}});
@@ -274,7 +326,8 @@ TEST(GeneratedCode, SettlesSignalsInLoops) {
 
 TEST(GeneratedCode, FailsWhereALoopOfSignalsIsTooFast) {
   const auto model = model_of(circle_text(1e6));
-  Code made(generate_code(model, {}, "fast_circle"));
+  const GeneratedCode code = generate_code(model, {}, "fast_circle");
+  Code made(code);
   Simulation s(model, fixed_cost());
   EXPECT_FALSE(s.step().ok());
   EXPECT_GT(made.step(), 1);
@@ -405,9 +458,17 @@ joints: {free: {type: floating, between: [ground, top]}}
     EXPECT_NE(std::string(error.what()).find("body 'rod' bends by linear elastodynamics"), std::string::npos)
         << error.what();
   }
+  const std::string late = refusal(four_bar_text({}) + R"yaml(
+signals: {seen: {joint: crank, every: 0.015}}
+simulation: {step: 10 ms}
+)yaml");
+  EXPECT_NE(late.find("signal 'seen' is evaluated every 0.015 s: that needs steps of that length or less "
+                      "than half of it, not of 0.01 s"),
+            std::string::npos)
+      << late;
   const std::string circle = refusal(four_bar_text({}) + R"yaml(
 signals:
-  slow: {transfer_function: "cos(time) - gain", numerator: [1], denominator: [0.1, 1]}
+  slow: {transfer_function: "cos(t) - gain", numerator: [1], denominator: [0.1, 1]}
   gain: 0.5*slow
 )yaml");
   EXPECT_NE(circle.find("in loops by the time alone; write them as one formula"), std::string::npos)

@@ -104,7 +104,8 @@ std::size_t Recording::Hash::operator()(const Node& n) const {
   for (const std::uint64_t part :
        {static_cast<std::uint64_t>(static_cast<std::uint32_t>(n.a)),
         static_cast<std::uint64_t>(static_cast<std::uint32_t>(n.b)),
-        static_cast<std::uint64_t>(static_cast<std::uint32_t>(n.c)), std::bit_cast<std::uint64_t>(n.number)})
+        static_cast<std::uint64_t>(static_cast<std::uint32_t>(n.c)),
+        static_cast<std::uint64_t>(static_cast<std::uint32_t>(n.d)), std::bit_cast<std::uint64_t>(n.number)})
     h = (h ^ part) * 0x9e3779b97f4a7c15u + (h >> 29);
   return static_cast<std::size_t>(h ^ (h >> 32));
 }
@@ -243,9 +244,10 @@ Recorded record(Op op, const Recorded& a, const Recorded& b) {
   return made({op, node_of(a), node_of(b)});
 }
 std::vector<Recorded> record_call(const Recording::Callee& of, const Recorded& a, const Recorded* b,
-                                  int results) {
+                                  int results, const Recorded* d) {
   Recording& r = Recording::active();
-  const int call = r.node({Op::call, node_of(a), b ? node_of(*b) : -1, r.callee(of)});
+  const int call =
+      r.node({Op::call, node_of(a), b ? node_of(*b) : -1, r.callee(of), 0, d ? node_of(*d) : -1});
   std::vector<Recorded> out;
   for (int k = 0; k < results; ++k) out.push_back(made({Op::part, call, k}));
   return out;

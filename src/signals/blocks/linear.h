@@ -132,15 +132,20 @@ void jets(const BlockCall<T>& c, const JetOf<T>* in, JetOf<T>* out) {
   }
 }
 
-inline bool keep(const BlockCall<double>& c, double* states) {
+/// States of a sampled one at the next instant.
+template <class T>
+std::array<T, most_block_states> next_states_of(const BlockCall<T>& c) {
   const Shape s = shape(c);
-  auto x = states_of(c);
-  if (c.sampled()) {
-    const auto now = x;
-    for (int r = 0; r < s.n; ++r)
-      x[r] = row_times<double>(c.numbers + r * s.n, s.n, now, c.numbers + s.b() + r * s.m, s.m, c.in);
-  }
-  for (int r = 0; r < s.n; ++r) states[r] = x[r];
+  const auto now = states_of(c);
+  std::array<T, most_block_states> x;
+  for (int r = 0; r < s.n; ++r)
+    x[r] = row_times<T>(c.numbers + r * s.n, s.n, now, c.numbers + s.b() + r * s.m, s.m, c.in);
+  return x;
+}
+
+inline bool keep(const BlockCall<double>& c, double* states) {
+  const auto x = c.sampled() ? next_states_of(c) : states_of(c);
+  for (int r = 0; r < c.states; ++r) states[r] = x[r];
   return false;
 }
 
