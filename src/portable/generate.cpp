@@ -239,7 +239,6 @@ class Generator {
                              "NO_SUCH", "INPUTS", "OUTPUTS"});
     define("N", static_cast<long>(m_.velocities));
     define("M", static_cast<long>(m_.equations));
-    define("J", static_cast<long>(r.jacobian.size()));
     define("PANELS", static_cast<long>(m_.symbolic.panels().size()));
     define("MARKED", static_cast<long>(r.marked.size()));
     define("SENSES", static_cast<long>(r.senses));
@@ -289,12 +288,18 @@ class Generator {
     mechanism_.observer.temper_prediction(method_.step, temper.data());
     for (double& x : temper) x = 1 / x;
     numbers("temper", temper);
-    std::vector<int> rows, columns;
+    std::vector<int> rows, first, columns;
     for (const JacobianEntry& e : r.jacobian) {
-      rows.push_back(e.equation);
+      if (rows.empty() || rows.back() != e.equation) {
+        rows.push_back(e.equation);
+        first.push_back(static_cast<int>(columns.size()));
+      }
       columns.push_back(e.coordinate);
     }
+    first.push_back(static_cast<int>(columns.size()));
+    define("ROWS", std::ssize(rows));
     integers("j_row", rows);
+    integers("j_first", first);
     integers("j_column", columns);
     write_panels();
     if (!r.marked.empty()) {

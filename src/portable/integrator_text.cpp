@@ -5,111 +5,191 @@
 namespace mimbre::portable {
 
 const char* const linear_text = R"c(
+/* The entries of the Jacobian come row by row. */
 static void @_times_jacobian(const @ *s, const double *x, double *out) {
-  int k;
+  int i, k;
   for (k = 0; k < @_M; ++k) out[k] = 0.0;
-  for (k = 0; k < @_J; ++k) out[@_j_row[k]] += s->jacobian[k]*x[@_j_column[k]];
+  for (i = 0; i < @_ROWS; ++i) {
+    const int last = @_j_first[i + 1];
+    double sum = 0.0, other = 0.0;
+    for (k = @_j_first[i]; k + 1 < last; k += 2) {
+      sum += s->jacobian[k]*x[@_j_column[k]];
+      other += s->jacobian[k + 1]*x[@_j_column[k + 1]];
+    }
+    if (k < last) sum += s->jacobian[k]*x[@_j_column[k]];
+    out[@_j_row[i]] = sum + other;
+  }
 }
 
 static void @_add_jacobian_transposed(const @ *s, const double *y, double weight, double *out) {
-  int k;
-  for (k = 0; k < @_J; ++k) out[@_j_column[k]] += weight*y[@_j_row[k]]*s->jacobian[k];
+  int i, k;
+  for (i = 0; i < @_ROWS; ++i) {
+    const int last = @_j_first[i + 1];
+    const double factor = weight*y[@_j_row[i]];
+    for (k = @_j_first[i]; k < last; ++k) out[@_j_column[k]] += factor*s->jacobian[k];
+  }
 }
 
-/* L D L^T over dense panels; the unknown whose pivot cannot be divided by, -1: none. */
+/* column[r] -= sum of left[r]*right over so many columns of a panel, four rows from r on. */
+static void @_subtract(double *column, const double *left, const double *right, int columns, int stride, int rows) {
+  double x0 = 0.0, x1 = 0.0, x2 = 0.0, x3 = 0.0;
+  int k;
+  for (k = 0; k < columns; ++k, left += stride, right += stride) {
+    const double factor = *right;
+    x0 += left[0]*factor;
+    x1 += left[1]*factor;
+    x2 += left[2]*factor;
+    x3 += left[3]*factor;
+  }
+  column[0] -= x0;
+  if (rows > 1) column[1] -= x1;
+  if (rows > 2) column[2] -= x2;
+  if (rows > 3) column[3] -= x3;
+}
+
+/* The same for two columns beside each other. */
+static void @_subtract_two(double *column, int next, const double *left, const double *right, int columns, int stride,
+                           int rows) {
+  double x0 = 0.0, x1 = 0.0, x2 = 0.0, x3 = 0.0, y0 = 0.0, y1 = 0.0, y2 = 0.0, y3 = 0.0;
+  double *const other = column + next;
+  int k;
+  for (k = 0; k < columns; ++k, left += stride, right += stride) {
+    const double factor = right[0], second = right[1];
+    x0 += left[0]*factor;
+    x1 += left[1]*factor;
+    x2 += left[2]*factor;
+    x3 += left[3]*factor;
+    y0 += left[0]*second;
+    y1 += left[1]*second;
+    y2 += left[2]*second;
+    y3 += left[3]*second;
+  }
+  column[0] -= x0;
+  other[0] -= y0;
+  if (rows > 1) {
+    column[1] -= x1;
+    other[1] -= y1;
+  }
+  if (rows > 2) {
+    column[2] -= x2;
+    other[2] -= y2;
+  }
+  if (rows > 3) {
+    column[3] -= x3;
+    other[3] -= y3;
+  }
+}
+
+/* Divides a column from its diagonal on; 0: it cannot be divided by that. */
+static int @_divide(double *column, double *l, double *inverse, int j, int stride) {
+  int r;
+  *inverse = 1.0/column[j];
+  if (!(fabs(*inverse) > 0.0 && *inverse - *inverse == 0.0)) return 0;
+  for (r = j/4*4; r < stride; r += 4) {
+    l[r] = column[r];
+    l[r + 1] = column[r + 1];
+    l[r + 2] = column[r + 2];
+    l[r + 3] = column[r + 3];
+    column[r] *= *inverse;
+    column[r + 1] *= *inverse;
+    column[r + 2] *= *inverse;
+    column[r + 3] *= *inverse;
+  }
+  return 1;
+}
+
+/* L D L^T over dense panels, two columns at a time; the unknown whose pivot cannot be divided by, -1: none. */
 static int @_factor(@ *s) {
-  int i, j, k, r, u;
+  int i, j, r, u;
   double *const scaled = s->scaled;
   for (i = 0; i < @_PANELS; ++i) {
     const @_panel *const p = @_panels + i;
-    double *const a = s->matrix + p->offset;
+    double *const a = s->matrix + p->offset, *const inverse = s->inverse + p->first;
     const int stride = p->stride;
-    for (j = 0; j < p->columns; ++j) {
+    for (j = 0; j < p->columns; j += 2) {
       double *const column = a + j*stride, *const l = scaled + j*stride;
-      double inverse;
-      for (k = 0; k < j; ++k) {
-        const double factor = scaled[k*stride + j];
-        const double *const left = a + k*stride;
-        for (r = j/4*4; r < stride; r += 4) {
-          column[r] -= left[r]*factor;
-          column[r + 1] -= left[r + 1]*factor;
-          column[r + 2] -= left[r + 2]*factor;
-          column[r + 3] -= left[r + 3]*factor;
-        }
-      }
-      inverse = 1.0/column[j];
-      if (!(fabs(inverse) > 0.0 && inverse - inverse == 0.0)) return @_unknown[p->first + j];
-      s->inverse[p->first + j] = inverse;
-      for (r = j/4*4; r < stride; r += 4) {
-        l[r] = column[r];
-        l[r + 1] = column[r + 1];
-        l[r + 2] = column[r + 2];
-        l[r + 3] = column[r + 3];
-        column[r] *= inverse;
-        column[r + 1] *= inverse;
-        column[r + 2] *= inverse;
-        column[r + 3] *= inverse;
-      }
+      const int two = j + 1 < p->columns;
+      for (r = j/4*4; r < stride && j > 0; r += 4)
+        if (two)
+          @_subtract_two(column + r, stride, a + r, scaled + j, j, stride, 4);
+        else
+          @_subtract(column + r, a + r, scaled + j, j, stride, 4);
+      if (!@_divide(column, l, inverse + j, j, stride)) return @_unknown[p->first + j];
+      if (!two) break;
+      for (r = j/4*4; r < stride; r += 4) @_subtract(column + stride + r, column + r, l + j + 1, 1, stride, 4);
+      if (!@_divide(column + stride, l + stride, inverse + j + 1, j + 1, stride)) return @_unknown[p->first + j + 1];
     }
     for (u = p->first_update; u < p->last_update; ++u) {
       const @_update *const t = @_updates + u;
-      for (j = 0; j < t->columns; ++j) {
+      const double *const left = a + t->row, *const right = scaled + t->column;
+      for (j = 0; j < t->columns; j += 2) {
         double *const column = s->matrix + t->target + j*t->target_stride;
         const int first = t->row == t->column ? j/4*4 : 0;
-        for (r = first; r < t->rows; r += 4) {
-          const double *left = a + t->row + r, *right = scaled + t->column + j;
-          double x0 = 0.0, x1 = 0.0, x2 = 0.0, x3 = 0.0;
-          for (k = 0; k < p->columns; ++k, left += stride, right += stride) {
-            const double factor = *right;
-            x0 += left[0]*factor;
-            x1 += left[1]*factor;
-            x2 += left[2]*factor;
-            x3 += left[3]*factor;
-          }
-          column[r] -= x0;
-          if (r + 1 < t->rows) column[r + 1] -= x1;
-          if (r + 2 < t->rows) column[r + 2] -= x2;
-          if (r + 3 < t->rows) column[r + 3] -= x3;
-        }
+        if (j + 1 < t->columns)
+          for (r = first; r < t->rows; r += 4)
+            @_subtract_two(column + r, t->target_stride, left + r, right + j, p->columns, stride, t->rows - r);
+        else
+          for (r = first; r < t->rows; r += 4)
+            @_subtract(column + r, left + r, right + j, p->columns, stride, t->rows - r);
       }
     }
   }
   return -1;
 }
 
+/* Rows between a panel's columns and those below are 0. */
 static void @_solve(@ *s, double *x) {
   int i, j, r;
   double *const z = s->column;
   for (i = 0; i < @_PANELS; ++i) {
     const @_panel *const p = @_panels + i;
-    const double *const a = s->matrix + p->offset;
     const int *const own = @_unknown + p->first, *const rows = @_row + p->first_row;
-    for (r = 0; r < p->stride; ++r) z[r] = 0.0;
-    for (j = 0; j < p->columns; ++j) {
-      const double *const l = a + j*p->stride;
-      const double known = x[own[j]] - z[j];
-      x[own[j]] = known;
-      for (r = j + 1; r < p->columns; ++r) z[r] += l[r]*known;
-      for (r = p->below; r < p->stride; ++r) z[r] += l[r]*known;
+    const int stride = p->stride;
+    const double *l = s->matrix + p->offset;
+    for (j = 0; j < p->columns; ++j) z[j] = x[own[j]];
+    for (r = p->columns; r < stride; ++r) z[r] = 0.0;
+    for (j = 0; j + 1 < p->columns; j += 2, l += 2*stride) {
+      const double *const next = l + stride;
+      const double first = z[j], second = z[j + 1] - l[j + 1]*first;
+      z[j + 1] = second;
+      for (r = j + 2; r < stride; r += 2) {
+        z[r] -= l[r]*first + next[r]*second;
+        z[r + 1] -= l[r + 1]*first + next[r + 1]*second;
+      }
     }
-    for (r = p->below; r < p->stride; ++r) x[rows[r - p->below]] -= z[r];
+    if (j < p->columns)
+      for (r = j + 1; r < stride; ++r) z[r] -= l[r]*z[j];
+    for (j = 0; j < p->columns; ++j) x[own[j]] = z[j];
+    for (r = p->below; r < stride; ++r) x[rows[r - p->below]] += z[r];
   }
   for (i = @_PANELS; i-- > 0;) {
     const @_panel *const p = @_panels + i;
-    const double *const a = s->matrix + p->offset;
     const int *const own = @_unknown + p->first, *const rows = @_row + p->first_row;
-    for (r = p->below; r < p->stride; ++r) z[r] = x[rows[r - p->below]];
-    for (j = p->columns; j-- > 0;) {
-      const double *const l = a + j*p->stride;
-      double sum0 = 0.0, sum1 = 0.0;
-      for (r = j + 1; r < p->columns; ++r) sum0 += l[r]*z[r];
-      for (r = p->below; r + 1 < p->stride; r += 2) {
-        sum0 += l[r]*z[r];
-        sum1 += l[r + 1]*z[r + 1];
-      }
-      z[j] = x[own[j]]*s->inverse[p->first + j] - (sum0 + sum1);
-      x[own[j]] = z[j];
+    const int stride = p->stride;
+    const double *const a = s->matrix + p->offset, *const inverse = s->inverse + p->first;
+    for (r = p->columns; r < p->below; ++r) z[r] = 0.0;
+    for (r = p->below; r < stride; ++r) z[r] = x[rows[r - p->below]];
+    j = p->columns;
+    if (j%2 == 1) {
+      const double *const l = a + --j*stride;
+      double sum = 0.0;
+      for (r = j + 1; r < stride; ++r) sum += l[r]*z[r];
+      z[j] = x[own[j]]*inverse[j] - sum;
     }
+    while (j > 0) {
+      const double *const next = a + (j - 1)*stride, *const l = next - stride;
+      double sum0 = 0.0, sum1 = 0.0, next0 = 0.0, next1 = 0.0;
+      for (r = j; r < stride; r += 2) {
+        sum0 += l[r]*z[r];
+        next0 += next[r]*z[r];
+        sum1 += l[r + 1]*z[r + 1];
+        next1 += next[r + 1]*z[r + 1];
+      }
+      z[j - 1] = x[own[j - 1]]*inverse[j - 1] - (next0 + next1);
+      z[j - 2] = x[own[j - 2]]*inverse[j - 2] - (sum0 + sum1 + l[j - 1]*z[j - 1]);
+      j -= 2;
+    }
+    for (j = 0; j < p->columns; ++j) x[own[j]] = z[j];
   }
 }
 
