@@ -5,8 +5,7 @@ usage: code_attack.py PROGRAM [FIRST] [COUNT]     with the project's Python envi
 
 Of each model the code is made, compiled with all warnings, -O1 and the address and undefined behaviour sanitizers,
 and run beside `mimbre run --fixed-cost`. Printed are models whose outputs differ by more than 1e-7 of their largest
-value or 1 before one of the two stops, and how often which reason refused one. Where bodies collide, round-off grows
-at every blow: such models are told apart.
+value or 1 before one of the two stops, and how often which reason refused one. Models with impacts are counted apart.
 """
 
 import json
@@ -95,9 +94,9 @@ def compare(program, seed):
             both = np.isfinite(expected) & np.isfinite(found)
             if both.any():
                 most = max(most, float(np.abs(expected - found)[both].max() / max(1, np.abs(expected[both]).max())))
-        whole = "" if len(rows) == len(channels) else f" ({len(rows)} of {len(channels)} steps)"
+        what = "compared" if len(rows) == len(channels) else "compared as far as it went"
         kinds = {"contacts", "stops", "tyres", "frictions"} & set(json.loads(path.read_text()))
-        return ("compared" if whole == "" else "compared as far as it went") + (" with blows" if kinds else ""), most
+        return what + (" with impacts" if kinds else ""), most
 
 
 def main():

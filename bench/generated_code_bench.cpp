@@ -1,11 +1,15 @@
 #include <benchmark/benchmark.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -50,9 +54,11 @@ struct Pair {
     start = simulation->save();
     steps = static_cast<int>(std::lround(seconds / simulation->step_size()));
     const mimbre::GeneratedCode code = mimbre::generate_code(model, {}, "code");
-    const std::string folder = (std::filesystem::temp_directory_path() / "mimbre_generated_code").string();
+    const std::string folder =
+        (std::filesystem::temp_directory_path() / fmt::format("mimbre_generated_code_{}", getpid())).string();
     mimbre::write_code(code, folder);
     const char* flags = std::getenv("CFLAGS");
+    // One name for each: the loader knows what it has loaded by its name.
     const std::string library = fmt::format("{}/{}.so", folder, std::hash<std::string>()(path));
     const auto begin = std::chrono::steady_clock::now();
     if (std::system(fmt::format("cc -std=c99 {0} -fPIC -shared {1}/code.c -o {2} -lm", flags ? flags : "-O2",
@@ -63,6 +69,7 @@ struct Pair {
     kib = static_cast<double>(std::filesystem::file_size(library)) / 1024;
     struct_kib = static_cast<double>(code.bytes) / 1024;
     void* const loaded = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
+    std::filesystem::remove_all(folder);
     if (!loaded) throw std::runtime_error(dlerror());
     init = reinterpret_cast<void (*)(void*)>(dlsym(loaded, "code_init"));
     step = reinterpret_cast<int (*)(void*)>(dlsym(loaded, "code_step"));

@@ -106,7 +106,10 @@ class Generator {
     long samples = 0;
     for (std::size_t k = 0; k < recorded_->program.phases.size(); ++k)
       if (recorded_->program.phases[k].name.starts_with("sample_")) samples += phases.operations[k];
-    if (samples > 0) samples += of("motion") + of("sense_rest") + of("see_rest") + of("forces_rest");
+    if (samples > 0)
+      samples += of("motion") + of("sense_rest") + of("see_rest") +
+                 most_signal_rounds * of("sense_round_rest") +
+                 of(recorded_->rests ? "forces_rest" : "forces_step");
     out_.operations = samples + of("origin") + of("signals_step") + method_.max_iterations * iteration +
                       of("retract") + of("motion") * (equations ? 7 : 1) + (equations ? 7 * projection : 0) +
                       sight + of("commit") + 20 * n;

@@ -34,6 +34,7 @@ enum class Memory {
   phi_ddot,
   matrix,      ///< in the places of the factorisation
   jacobian,    ///< of the equations, entry by entry
+  subspace,    ///< of contacts: motion subspaces that the matrix was assembled with
   rows,        ///< of what elements measure
   mark,        ///< size of an element's tangent
   tangent,     ///< of the elements that have marks

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
 #include "compile/element_name.h"
 #include "dynamics/relative/assembly.h"
 #include "dynamics/relative/evaluation.h"
@@ -476,7 +478,24 @@ class Recorder {
       if (values[k].node >= 0 || values[k].number != 0)
         p_.store(Memory::matrix, static_cast<int>(k), values[k]);
     store_jacobian();
-    for (const MarkedElement& marked : out_->marked) store_rows(marked);
+    for (const MarkedElement& marked : out_->marked) {
+      store_rows(marked);
+      if (marked.contact) store_subspaces(m_.elements[static_cast<std::size_t>(marked.element)].path);
+    }
+  }
+  /// Rows that are made anew are made with the motion of then, but with these.
+  void store_subspaces(const Path& path) {
+    for (const PathEntry& e : path.entries)
+      for (const int set : {e.plus, e.minus}) {
+        if (set < 0) continue;
+        const MotionSubspace& of = m_.subspaces[static_cast<std::size_t>(set)];
+        for (int k = of.offset; k < of.offset + 6 * of.stride; ++k) {
+          T& kept = subspaces_.try_emplace(k, w_.subspaces[static_cast<std::size_t>(k)]).first->second;
+          if (kept.is_constant() || kept.node != w_.subspaces[static_cast<std::size_t>(k)].node) continue;
+          p_.store(Memory::subspace, k, kept);
+          kept = p_.input(Memory::subspace, k);
+        }
+      }
   }
   void store_jacobian() {
     const auto add = [&](int equation, int coordinate, const T& value) {
@@ -621,16 +640,28 @@ class Recorder {
     }
   }
 
+  /// Of a contact that did not touch when the matrix was assembled.
+  void record_rows_anew(const ElementData& e, const std::string& name) {
+    int number = 0;
+    phase(number, name, {origin_, motion_, forces_});
+    const auto subspaces = w_.subspaces;
+    const auto assembled = w_.jacobian;
+    for (const auto& [k, x] : subspaces_) w_.subspaces[static_cast<std::size_t>(k)] = x;
+    relative::element_rows<T>(m_, w_, e, element_state(e, w_.elements.data()));
+    for (int k = e.jacobian; k < e.jacobian + e.count * e.path.width; ++k)
+      if (assembled[static_cast<std::size_t>(k)].node >= 0)
+        p_.store(Memory::rows, k, w_.jacobian[static_cast<std::size_t>(k)]);
+    w_.subspaces = subspaces;
+    w_.jacobian = assembled;
+  }
+
   /// Of each marked element what a change of its tangent adds to the matrix.
   void record_exchange() {
     for (std::size_t i = 0; i < out_->marked.size(); ++i) {
       const MarkedElement& marked = out_->marked[i];
       const ElementData& e = m_.elements[static_cast<std::size_t>(marked.element)];
       int number = 0;
-      if (marked.contact) {
-        phase(number, fmt::format("rows_{}", i), {origin_, motion_, forces_, matrix_});
-        store_rows(marked);
-      }
+      if (marked.contact) record_rows_anew(e, fmt::format("rows_{}", i));
       phase(number, fmt::format("exchange_{}", i), {});
       const std::vector<T> difference = p_.inputs(Memory::difference, e.count * e.count);
       std::vector<T> values(static_cast<std::size_t>(m_.symbolic.value_count()) + 2 * linalg::kLanes, T(0));
@@ -883,20 +914,8 @@ class Recorder {
     const SignalsData::Block& b = d.blocks[static_cast<std::size_t>(s.block)];
     const T* held = held_.data() + b.held;
     std::array<T, most_block_outputs> out;
-    const BlockCall<T> call{d.numbers.data() + b.numbers,
-                            nullptr,
-                            b.function < 0 ? nullptr : &d.functions[static_cast<std::size_t>(b.function)],
-                            b.inputs,
-                            b.outputs,
-                            b.states,
-                            s.every,
-                            std::numeric_limits<double>::quiet_NaN(),
-                            first ? 0 : s.every,
-                            !first,
-                            held + 1 + b.inputs,
-                            held + 1,
-                            in.data(),
-                            out.data()};
+    const BlockCall<T> call = sampled_call<T>(d, b, held, std::numeric_limits<double>::quiet_NaN(),
+                                              first ? 0 : s.every, !first, in.data(), out.data());
     blocks::rows<T>[static_cast<std::size_t>(b.type)].output(call);
     for (int k = 0; k < b.outputs; ++k) p_.store(Memory::sampled, at++, out[static_cast<std::size_t>(k)]);
     std::vector<T> states(static_cast<std::size_t>(b.states));
@@ -925,7 +944,8 @@ class Recorder {
   AlignedVector<T> rest_elements_;
   int origin_ = -1, motion_ = -1, rest_ = -1, forces_ = -1, matrix_ = -1;
   std::array<int, 3> signals_{}, senses_{}, blocks_{};
-  std::vector<int> limited_;  ///< nodes of blocks that limit rates, at rest
+  std::map<int, T> subspaces_;  ///< those of contacts, as they were when the matrix was assembled
+  std::vector<int> limited_;    ///< nodes of blocks that limit rates, at rest
 };
 
 }  // namespace

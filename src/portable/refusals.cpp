@@ -133,9 +133,9 @@ std::vector<Diagnostic> refusals(const Compiled& m, const Method& method) {
   all.add_of_instants(method.step);
   if (method.formalism != spec::Simulation::Formalism::index3)
     all.add("code is made of the formalism index3 only: formalism: index3");
-  if (method.integrator == Rule::conserve || method.integrator == Rule::rk4 ||
-      method.integrator == Rule::dopri853)
-    all.add("code is made of the integrators generalized-alpha, hht and newmark only");
+  if (method.integrator != Rule::generalized_alpha && method.integrator != Rule::hht &&
+      method.integrator != Rule::newmark)
+    all.add("code is made of the integrators generalized_alpha, hht and newmark only");
   for (const spec::Event& e : m.spec().events)
     all.add(e.mark,
             fmt::format("event '{}' would end steps early, which code with a fixed step does not", e.name));

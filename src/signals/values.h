@@ -120,6 +120,27 @@ BlockCall<T> block_call(const SignalsData& d, const SignalsData::Block& b, const
           nullptr};
 }
 
+/// Of a sampled block, whose memory is `held`, at an instant h after the last one; `in`, `out`: its inputs
+/// and outputs.
+template <class T>
+BlockCall<T> sampled_call(const SignalsData& d, const SignalsData::Block& b, const T* held, double time,
+                          double h, bool begun, const T* in, T* out) {
+  return {d.numbers.data() + b.numbers,
+          nullptr,
+          b.function < 0 ? nullptr : &d.functions[static_cast<std::size_t>(b.function)],
+          b.inputs,
+          b.outputs,
+          b.states,
+          b.every,
+          time,
+          h,
+          begun,
+          held + 1 + b.inputs,
+          held + 1,
+          in,
+          out};
+}
+
 template <class T>
 using BlockInputs = std::array<T, most_block_inputs>;
 

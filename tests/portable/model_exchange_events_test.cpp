@@ -39,6 +39,28 @@ outputs:
   EXPECT_EQ(solver.times(), 6);  // 0.1, 0.2, 0.25, 0.3, 0.33, 0.4
 }
 
+/// The acceleration of a drive jumps where its speed has a kink.
+TEST_P(ModelExchangeEvents, KnowsTheKinksOfASpeed) {
+  const auto model = model_of(R"yaml(
+bodies:
+  block: {mass: 1, inertia: [0.1, 0.1, 0.1], com: [0, 0, 0]}
+  cart: {mass: 1, inertia: [0.1, 0.1, 0.1], com: [0, 0, 0]}
+joints:
+  guide: {type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0], spring: {stiffness: 50, damping: 1}}
+  track:
+    type: prismatic
+    between: [block, cart]
+    at: [0, 0, 0]
+    axis: [1, 0, 0]
+    drive: {speed: {table: [[0, 0], [0.13, 0.5], [0.27, -0.5], [0.9, 0]], interpolation: linear}}
+outputs: [{name: x, joint: guide}, {name: way, joint: track}]
+)yaml");
+  const FmuLibrary& of = library(model, "speed_by_points");
+  ExchangeSolver solver(of, 1e-3);
+  EXPECT_LE(difference(solver, accurate_run(model, of.fmu(), 0.45, 0.05), 0.05), 1e-6);
+  EXPECT_EQ(solver.times(), 2);
+}
+
 /// A block on a spring, pushed by what is added.
 std::shared_ptr<const Model> pushed(const std::string& by) {
   return model_of(R"yaml(

@@ -166,8 +166,10 @@ std::shared_ptr<const Model> timed_outputs() {
 bodies:
   block: {mass: 1, inertia: [0.1, 0.1, 0.1], com: [0, 0, 0]}
   slider: {mass: 1, inertia: [0.1, 0.1, 0.1], com: [0, 0, 0]}
+  cart: {mass: 1, inertia: [0.1, 0.1, 0.1], com: [0, 0, 0]}
 joints:
   guide: {type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0], spring: {stiffness: 30}, velocity: 1}
+  track: {type: prismatic, between: [block, cart], at: [0, 0, 0], axis: [1, 0, 0], drive: {speed: "0.6/(1.2 + cos(5*t))"}}
   rail: {type: prismatic, between: [block, slider], at: [0, 0, 0], axis: [1, 0, 0], drive: {position: "0.1*sin(7*t)"}}
 inputs: {ramp: {start: 0.2, hold: linear}}
 parameters: {gain: {value: 3, tunable: true}}
@@ -177,6 +179,7 @@ signals:
   twice: 2*gain
   held: 2*ramp
   place: {joint: rail}
+  way: {joint: track}
 outputs: [{name: x, joint: guide}]
 actuators: {motor: {joint: guide, force: "ramp + gain*cos(5*t)"}}
 )yaml");

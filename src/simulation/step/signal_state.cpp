@@ -174,20 +174,7 @@ void Sampler::make_block(const SignalsData::Sampled& s, const double* in, double
   const bool begun = held[0] > 0.5;
   // Steps come to instants but for round-off.
   const double h = begun ? std::round((state.time - made) / s.every) * s.every : 0;
-  BlockCall<double> call{d.numbers.data() + b.numbers,
-                         nullptr,
-                         b.function < 0 ? nullptr : &d.functions[static_cast<std::size_t>(b.function)],
-                         b.inputs,
-                         b.outputs,
-                         b.states,
-                         s.every,
-                         state.time,
-                         h,
-                         begun,
-                         held + 1 + b.inputs,
-                         held + 1,
-                         in,
-                         out};
+  const BlockCall<double> call = sampled_call<double>(d, b, held, state.time, h, begun, in, out);
   blocks::rows<double>[static_cast<std::size_t>(b.type)].output(call);
   keep_block(b, call, held);
 }
