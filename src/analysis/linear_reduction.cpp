@@ -21,6 +21,17 @@ VectorXd scales_of(const std::vector<double>& scale) {
   return Eigen::Map<const VectorXd>(scale.data(), std::ssize(scale));
 }
 
+/// A X, in which columns of zeros cost nothing.
+MatrixXd product(const MatrixXd& A, const MatrixXd& X) {
+  std::vector<Eigen::Index> filled;
+  for (Eigen::Index k = 0; k < X.cols(); ++k)
+    if (!X.col(k).isZero(0)) filled.push_back(k);
+  if (std::ssize(filled) == X.cols()) return A * X;
+  MatrixXd out = MatrixXd::Zero(A.rows(), X.cols());
+  if (!filled.empty()) out(Eigen::all, filled) = A * MatrixXd(X(Eigen::all, filled));
+  return out;
+}
+
 /// The coordinate with no inertia, by the scales; -1: all have some.
 int massless_coordinate(const MatrixXd& mass, const VectorXd& scale) {
   if (mass.rows() == 0) return -1;
@@ -129,33 +140,35 @@ Reduced reduce(const Derivatives& d, const LinearCore::Rates& rates, const Indep
   MatrixXd position = MatrixXd::Zero(n, all), velocity = position;
   position.leftCols(y) = positions.motions();
   position.rightCols(p) = positions.particular(-d.phi_p);
-  MatrixXd rate = d.rate_q * position;
+  MatrixXd rate = product(d.rate_q, position);
   rate.rightCols(p) += d.rate_p;
   velocity = independent.particular(-rate);
   velocity.middleCols(y, f) += N;
-  MatrixXd second = d.second_q * position + d.second_v * velocity;
+  MatrixXd second = product(d.second_q, position) + product(d.second_v, velocity);
   second.rightCols(p) += d.second_p;
   MatrixXd acceleration = independent.particular(-second);
-  MatrixXd force = d.mass * acceleration + d.residual_q * position + d.residual_v * velocity;
+  MatrixXd force =
+      product(d.mass, acceleration) + product(d.residual_q, position) + product(d.residual_v, velocity);
   force.rightCols(p) += d.residual_p;
   const MatrixXd reduced_force = N.transpose() * force;
   MatrixXd alpha(f, all);
   if (f > 0) alpha = -solve(mass, reduced_force);
-  acceleration += N * alpha;
+  const MatrixXd relative = N * alpha;
+  acceleration += relative;
   // Rates of x.
   MatrixXd x(y + f + z, all);
-  const MatrixXd moved = velocity - d.turn * position;
+  const MatrixXd moved = velocity - product(d.turn, position);
   x.topRows(y) = moved(positions.coordinates(), Eigen::all);
   x.middleRows(y, f) = alpha;
   if (z > 0) {
-    MatrixXd seen = d.seen_q * position + d.seen_v * velocity;
+    MatrixXd seen = product(d.seen_q, position) + product(d.seen_v, velocity);
     seen.rightCols(p) += d.seen_p;
     x.bottomRows(z) = rates.by_seen * seen;
     x.bottomRightCorner(z, p) += rates.by_parameters;
   }
   out.A = x.leftCols(y + f + z);
   out.B = x.rightCols(p - z);
-  force += d.mass * (N * alpha);
+  force += d.mass * relative;
   out.multipliers = independent.multipliers(MatrixXd(-force));
   out.position = std::move(position);
   out.velocity = std::move(velocity);

@@ -25,7 +25,9 @@ constexpr double balanced_share = 1e-8;    ///< of forces that balance but for t
 constexpr double round_off_share = 1e-15;  ///< of the forces that a coordinate's scale causes, at once
 constexpr double negligible = 1e-9;        ///< of equations: what moves them by less moves nothing
 constexpr double light = 1e-9;             ///< of the largest inertia: what is lighter moves as readily
-constexpr int most_newton_steps = 12;
+constexpr int most_newton_steps = 12;      ///< with tangents of their own
+/// A tangent serves for steps as long as they shrink by this, and decides on stability so near.
+constexpr double converging = 0.1, same_place = 1e-8;
 
 /// τ in the mechanism's own times: at first, at least, at most, and from which on its steps are Newton's.
 constexpr double first_time = 0.2, least_time = 4e-3, longest_time = 400, newton_time = 4;
@@ -65,13 +67,16 @@ void judge_stability(const MatrixXd& K, const MatrixXd& mass, const MatrixXd& N,
   MatrixXd inertia = N.transpose() * mass * N;
   const double largest = inertia.diagonal().cwiseAbs().maxCoeff();
   inertia.diagonal().array() += 1e-12 * largest;
-  const EigenPairs pairs = symmetric_eigen((stiffness + stiffness.transpose()) / 2, inertia);
+  const MatrixXd symmetric = (stiffness + stiffness.transpose()) / 2;
+  const double slow = neutral * units.pace * units.pace;
+  // Nearly always, and much faster than the eigenvalues.
+  if (is_positive_definite(symmetric + slow * inertia)) return;
+  const EigenPairs pairs = symmetric_eigen(symmetric, inertia);
   if (!pairs.ok || pairs.values.size() == 0) return;
   // Differences of forces are not sharper than this, and what grows that slowly is neutral.
   const VectorXd x = N * pairs.vectors.col(0);
   const double sharp =
       1e-7 * x.cwiseAbs().dot(K.cwiseAbs() * x.cwiseAbs()) + 1e-9 * units.energy * x.squaredNorm();
-  const double slow = neutral * units.pace * units.pace;
   const double stiffness_along = x.dot(K * x);
   if (-stiffness_along <= sharp || pairs.values[0] >= -slow) return;
   // Round-off is less where differences are wider: that of stiff parts, along motions that nothing resists.
@@ -134,6 +139,16 @@ class EquilibriumSearch {
   double round_off_of(const MatrixXd& K) const {
     return n_ == 0 ? 0 : round_off_share * K.cwiseAbs().maxCoeff();
   }
+  /// The equations at some place, and steps by them from there on.
+  struct Linear {
+    MatrixXd K, N, along, inverse;
+    double way = 0;  ///< of all steps since then
+    int steps = 0;
+
+    bool solvable() const;
+    VectorXd step(const VectorXd& forces);
+  };
+  Linear linear(double tau);
   void move(const VectorXd& step);
   void judge(const MatrixXd& K, const MatrixXd& N, StaticsStatus& status) {
     judge_stability(
@@ -171,9 +186,14 @@ VectorXd EquilibriumSearch::forces(const VectorXd& q, const VectorXd& a) {
   return scale_.cwiseProduct(r);
 }
 
-/// `without`: the forces without accelerations.
+/// `without`: the forces without accelerations, which were the last ones.
 MatrixXd EquilibriumSearch::mass_matrix(const VectorXd& without) {
   MatrixXd mass(n_, n_);
+  // The assembled matrix has neither loads by accelerations nor what bends by elastodynamics.
+  if (!system_.has_loads_of_inertia() && system_.driven_coordinates().empty()) {
+    system_.dense_matrix(s_.q.data(), {}, mass.data());
+    return scale_.asDiagonal() * mass * scale_.asDiagonal();
+  }
   VectorXd unit = zero_;
   for (int k = 0; k < n_; ++k) {
     unit[k] = scale_[k];
@@ -254,26 +274,62 @@ void EquilibriumSearch::move(const VectorXd& step) {
   system_.retract(s_.q.data(), x.data(), s_.q.data());
 }
 
+bool EquilibriumSearch::Linear::solvable() const {
+  return N.cols() == 0 || is_positive_definite((along + along.transpose()) / 2);
+}
+
+VectorXd EquilibriumSearch::Linear::step(const VectorXd& forces) {
+  if (N.cols() == 0) return VectorXd::Zero(forces.size());
+  const VectorXd right = N.transpose() * forces;
+  if (steps++ == 0) return -N * solve(along, right);
+  if (inverse.size() == 0) inverse = mimbre::inverse(along);
+  return -N * (inverse * right);
+}
+
+EquilibriumSearch::Linear EquilibriumSearch::linear(double tau) {
+  Linear out;
+  out.K = tangent();
+  out.N = permitted_motions();
+  out.along = out.N.transpose() * (out.K + mass_ / (tau * tau)) * out.N;
+  return out;
+}
+
 StaticsStatus EquilibriumSearch::newton(int most_steps) {
   StaticsStatus status;
   const double tau = near_time / units_.pace;
-  double way = 0;
-  for (; status.iterations < std::min(most_steps, most_newton_steps); ++status.iterations) {
+  double way = 0, previous = 0;
+  Linear tangent;
+  int tangents = 0;
+  const auto anew = [&] {
+    tangent = linear(tau);
+    return ++tangents <= most_newton_steps && tangent.solvable();
+  };
+  for (; status.iterations < most_steps; ++status.iterations) {
     const Balance left = look(status);
     if (!left.forces.allFinite()) return status;
-    const MatrixXd K = tangent(), N = permitted_motions();
-    const MatrixXd along = N.transpose() * (K + mass_ / (tau * tau)) * N;
-    if (N.cols() > 0 && !is_positive_definite((along + along.transpose()) / 2)) return status;
-    VectorXd step = zero_;
-    if (N.cols() > 0) step = -N * solve(along, N.transpose() * left.forces);
-    const double longest = n_ == 0 ? 0 : step.cwiseAbs().maxCoeff();
-    way += longest;
+    if (tangents == 0 && !anew()) return status;
+    VectorXd step = tangent.step(left.forces);
+    const auto longest = [&] { return n_ == 0 ? 0 : step.cwiseAbs().maxCoeff(); };
+    const auto ends = [&] {
+      return balances(left, round_off_of(tangent.K)) && longest() < still && closes(left);
+    };
+    // Another tangent where this one leads no nearer, or is not the one of the place that was found: there a
+    // step of its own is as exact as Newton's.
+    bool renewed = false;
+    if (tangent.way > 0 && (ends() ? tangent.way > same_place : longest() > converging * previous)) {
+      if (!anew()) return status;
+      step = tangent.step(left.forces);
+      renewed = true;
+    }
+    way += longest();
     if (!(way <= furthest_step)) return status;
-    if (balances(left, round_off_of(K)) && longest < still && closes(left)) {
+    if (!renewed && ends()) {
       status.converged = true;
-      judge(K, N, status);
+      judge(tangent.K, tangent.N, status);
       return status;
     }
+    previous = longest();
+    tangent.way += previous;
     move(step);
   }
   return status;

@@ -48,13 +48,39 @@ std::string listed(const std::vector<ModeShare>& shares, std::size_t most) {
   return text;
 }
 
-/// Of a real matrix: complex products of matrices are slow.
-VectorXcd product(const Eigen::Ref<const MatrixXd>& A, const VectorXcd& x) {
-  VectorXcd out(A.rows());
-  out.real() = A * x.real();
-  out.imag() = A * x.imag();
-  return out;
-}
+/// Complex vectors by their real parts, and the imaginary ones of those that have such: products with real
+/// matrices are made of all at once.
+struct Parts {
+  MatrixXd columns;
+  std::vector<Eigen::Index> real, imaginary;  ///< by vector; -1: none
+
+  explicit Parts(const std::vector<VectorXcd>& vectors) {
+    Eigen::Index count = 0;
+    for (const VectorXcd& x : vectors) {
+      real.push_back(count++);
+      imaginary.push_back(x.imag().isZero(0) ? -1 : count++);
+    }
+    columns.resize(vectors.empty() ? 0 : vectors.front().size(), count);
+    for (std::size_t k = 0; k < vectors.size(); ++k) {
+      columns.col(real[k]) = vectors[k].real();
+      if (imaginary[k] >= 0) columns.col(imaginary[k]) = vectors[k].imag();
+    }
+  }
+
+  /// A x of each. Columns of zeros at the ends of A take no time.
+  std::vector<VectorXcd> times(const Eigen::Ref<const MatrixXd>& A) const {
+    Eigen::Index first = 0, end = A.cols();
+    while (first < end && A.col(first).isZero(0)) ++first;
+    while (end > first && A.col(end - 1).isZero(0)) --end;
+    const MatrixXd made = A.middleCols(first, end - first) * columns.middleRows(first, end - first);
+    std::vector<VectorXcd> out;
+    for (std::size_t k = 0; k < real.size(); ++k) {
+      VectorXcd& x = out.emplace_back(made.col(real[k]));
+      if (imaginary[k] >= 0) x.imag() = made.col(imaginary[k]);
+    }
+    return out;
+  }
+};
 
 }  // namespace
 
@@ -103,23 +129,19 @@ ModeShares::ModeShares(const Linearised& at)
       axis_ = body.omega / fastest;
     }
   if (at.turning > 0) axis_ = at.turning_axis;
+  still_ = measured_rates(VectorXd::Zero(m_.velocities));  // last, as the system then rests
 }
 
-ModeShares::Rates ModeShares::rates(const VectorXd& v) {
+std::vector<double> ModeShares::measured_rates(const VectorXd& v) {
   const State& s = at_.state;
   const VectorXd zero = VectorXd::Zero(m_.velocities);
   system_.kinematics(s.time, s.q.data(), v.data(), zero.data());
   auto& w = system_.workspace();
   relative::measure_elements(m_, w, s.q.data(), v.data(), zero.data());
-  Rates out;
-  for (const Motion<double>& body : w.bodies) {
-    // Motion is that about the common point's axes; the origin's own velocity is in it.
-    out.velocity.push_back(body.velocity);
-    out.spin.push_back(body.omega);
-  }
+  std::vector<double> out;
   for (const ElementData& e : m_.elements) {
     const ElementState<double> on = element_state(e, w.elements.data());
-    out.measured.emplace_back(on.v, on.v + e.count);
+    out.insert(out.end(), on.v, on.v + e.count);
   }
   return out;
 }
@@ -130,6 +152,7 @@ VectorXd ModeShares::body_energies(const VectorXcd& v) {
   VectorXd energy = VectorXd::Zero(std::ssize(m_.bodies));
   auto& w = system_.workspace();
   for (const VectorXd& part : {VectorXd(v.real()), VectorXd(v.imag())}) {
+    if (part.isZero(0)) continue;
     system_.kinematics(s.time, s.q.data(), part.data(), zero.data());
     for (std::size_t i = 0; i < m_.bodies.size(); ++i)
       add_kinetic_energy(m_, w, i, s.q.data(), part.data(), energy[static_cast<Eigen::Index>(i)]);
@@ -138,19 +161,23 @@ VectorXd ModeShares::body_energies(const VectorXcd& v) {
 }
 
 void ModeShares::add_elastic(const VectorXcd& motion, Mode& mode, double all) {
-  const Rates still = rates(VectorXd::Zero(m_.velocities)), real = rates(motion.real()),
-              imag = rates(motion.imag());
+  std::vector<std::vector<double>> parts;
+  for (const VectorXd& part : {VectorXd(motion.real()), VectorXd(motion.imag())})
+    if (!part.isZero(0)) parts.push_back(measured_rates(part));
+  for (std::vector<double>& part : parts)
+    for (std::size_t k = 0; k < part.size(); ++k) part[k] -= still_[k];
   double elastic = 0;
+  std::size_t first = 0;
   for (std::size_t k = 0; k < m_.elements.size(); ++k) {
     const ElementData& e = m_.elements[k];
     const std::vector<double>& stiffness = stiffness_[k];
     double energy = 0;
     const auto n = static_cast<std::size_t>(e.count);
-    for (const Rates* part : {&real, &imag})
+    for (const std::vector<double>& part : parts)
       for (std::size_t r = 0; r < n; ++r)
         for (std::size_t c = 0; c < n; ++c)
-          energy += 0.5 * stiffness[r * n + c] * (part->measured[k][r] - still.measured[k][r]) *
-                    (part->measured[k][c] - still.measured[k][c]);
+          energy += 0.5 * stiffness[r * n + c] * part[first + r] * part[first + c];
+    first += n;
     if (energy == 0) continue;
     elastic += energy;
     mode.elastic.push_back({element_name(m_, e), energy});
@@ -328,26 +355,41 @@ VectorXcd ModeShares::momentum(const VectorXcd& v) {
 
 VectorXcd ModeShares::motion_of(const Mode& mode) const {
   const Reduced& r = at_.reduced;
-  return product(r.position.leftCols(r.A.cols()), mode.shape);
+  return Parts({mode.shape}).times(r.position.leftCols(r.A.cols())).front();
 }
 
 void ModeShares::see_from_ground(Mode& mode) { find_whirl(motion_of(mode), mode); }
 
-void ModeShares::describe(Mode& mode, bool mixed) {
+void ModeShares::describe(std::vector<Mode>& modes, const std::vector<char>& mixed) {
   const Reduced& r = at_.reduced;
   const auto states = r.A.cols();
-  mode.motion = motion_of(mode);
-  const VectorXcd velocity = product(r.velocity.leftCols(states), mode.shape);
-  // A rigid motion has no velocity of its own, unless it drifts; nor has one that only the turning axes see.
-  const bool still =
-      mode.kind == Mode::Kind::rigid || velocity.norm() <= 1e-6 * std::abs(mode.value) * mode.motion.norm();
-  const VectorXcd moves = still && mode.motion.norm() > 0 ? mode.motion : velocity;
-  const VectorXcd y = mode.shape.head(r.coordinates);
+  std::vector<VectorXcd> shapes, moves, positions;
+  for (const Mode& mode : modes) {
+    shapes.push_back(mode.shape);
+    positions.push_back(mode.shape.head(r.coordinates));
+  }
+  const Parts parts(shapes);
+  std::vector<VectorXcd> motions = parts.times(r.position.leftCols(states)),
+                         velocities = parts.times(r.velocity.leftCols(states));
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    Mode& mode = modes[k];
+    mode.motion = std::move(motions[k]);
+    // A rigid motion has no velocity of its own, unless it drifts; nor has one that only the turning axes
+    // see.
+    const bool still = mode.kind == Mode::Kind::rigid ||
+                       velocities[k].norm() <= 1e-6 * std::abs(mode.value) * mode.motion.norm();
+    moves.push_back(still && mode.motion.norm() > 0 ? mode.motion : std::move(velocities[k]));
+  }
+  const std::vector<VectorXcd> momenta = Parts(moves).times(at_.derivatives.mass);
   // With rolling, K is not square: no energy goes by it.
   const bool square = r.coordinates == r.speeds;
-  describe(mode, moves, product(at_.derivatives.mass, moves),
-           square ? 0.5 * std::real(y.dot(product(r.stiffness, y))) : 0, mixed);
-  if (!square) mode.gravity = 0;
+  const std::vector<VectorXcd> forces =
+      square ? Parts(positions).times(r.stiffness) : std::vector<VectorXcd>();
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    describe(modes[k], moves[k], momenta[k], square ? 0.5 * std::real(positions[k].dot(forces[k])) : 0,
+             mixed[k] != 0);
+    if (!square) modes[k].gravity = 0;
+  }
 }
 
 void ModeShares::describe_motion(Mode& mode, double stiffness_energy, bool mixed) {

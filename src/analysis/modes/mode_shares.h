@@ -13,9 +13,9 @@ class ModeShares {
  public:
   explicit ModeShares(const Linearised& at);
 
-  /// Fills shares, whirl and text of a mode whose shape, kind and eigenvalue are set.
-  /// `mixed`: it is any vector of those of one eigenvalue, so that there are no waves of blades.
-  void describe(Mode& mode, bool mixed);
+  /// Fills shares, whirl and text of modes whose shapes, kinds and eigenvalues are set.
+  /// `mixed`: by mode, it is any vector of those of one eigenvalue, so that there are no waves of blades.
+  void describe(std::vector<Mode>& modes, const std::vector<char>& mixed);
   /// The same of a mode whose motion, kind and eigenvalue are set, at rest: no matrices are needed.
   /// `stiffness_energy`: its mean energy by the whole stiffness, J.
   void describe_motion(Mode& mode, double stiffness_energy, bool mixed);
@@ -30,12 +30,8 @@ class ModeShares {
   void describe(Mode& mode, const Eigen::VectorXcd& moves, const Eigen::VectorXcd& momentum,
                 double stiffness_energy, bool mixed);
   Eigen::VectorXcd momentum(const Eigen::VectorXcd& v);
-  /// Velocities of bodies (origin and angular, global) and rates of what elements measure at velocities v.
-  struct Rates {
-    std::vector<Vec3d> velocity, spin;
-    std::vector<std::vector<double>> measured;
-  };
-  Rates rates(const Eigen::VectorXd& v);
+  /// Rates of what elements measure at velocities v, one element after the other.
+  std::vector<double> measured_rates(const Eigen::VectorXd& v);
   /// Mean kinetic energy of each body.
   Eigen::VectorXd body_energies(const Eigen::VectorXcd& v);
   void add_elastic(const Eigen::VectorXcd& motion, Mode& mode, double all);
@@ -57,6 +53,7 @@ class ModeShares {
   relative::RelativeSystem system_;
   Eigen::VectorXd generalised_;
   std::vector<std::vector<double>> stiffness_;  ///< of elements, at the point
+  std::vector<double> still_;                   ///< measured_rates() at rest
   std::vector<Blades> blades_;
   std::vector<Vec3d>
       hub_spins_;               ///< of each of these, the angular velocity of the hub, in the drawn position

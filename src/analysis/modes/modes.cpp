@@ -377,7 +377,7 @@ LinearisedModes find_modes(std::shared_ptr<const Model> model, const ModesOption
   if (at.turning > 0) sort_as_seen(shares, out.modes, mixed);
   if (options.most > 0 && std::ssize(out.modes) > options.most)
     out.modes.resize(static_cast<std::size_t>(options.most));
-  for (std::size_t k = 0; k < out.modes.size(); ++k) shares.describe(out.modes[k], mixed[k] != 0);
+  shares.describe(out.modes, mixed);
   out.turning = at.turning;
   if (options.shapes) out.shapes = linear::body_shapes(at, out.modes);
   out.cpu_seconds = thread_cpu_seconds() - start;
