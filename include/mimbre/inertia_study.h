@@ -16,7 +16,7 @@ struct InertiaStudyOptions {
   double end = 0;       ///< s; 0: the model's
   /// Names of channels; none: the model's outputs, and where it has none the coordinates of its joints.
   std::vector<std::string> outputs;
-  RunOptions run;       ///< in relative coordinates and with shape integrals, whatever it states
+  RunOptions run;       ///< of the runs; with shape integrals, as the mesh's mass matrix has no terms
   bool measure = true;  ///< the time of a step, too
   /// Called with what is being done and how much of it is, 0 to 1.
   std::function<void(const std::string& stage, double done)> progress;
@@ -46,14 +46,15 @@ struct InertiaStudy {
   double cost = 1;                   ///< of the choice
   double cost_without_any = 1;       ///< with all terms neglected: no choice gains more
   int runs = 0;
+  std::vector<std::string> notes;  ///< on what else the errors and times have in them
 };
 
 /// Runs the model with all terms, and estimates at instants of the run what each does: the residual with it
-/// less that without, through the matrix of a step, by what all of inertia does. Then it neglects terms of
-/// bodies in the order of these estimates, as many as runs with them permit. Where no run can be made with
-/// any of them neglected the choice is empty.
-/// Throws std::invalid_argument for a model without flexible bodies, or where no output moves; UnknownName
-/// for outputs; std::runtime_error when the run with all terms fails.
+/// less that without, through the matrix of a step, by what all of inertia does. That is no bound of what an
+/// output is off by; it gives the order in which terms of bodies are neglected, as many as runs with them
+/// permit. Where no run can be made with any of them neglected the choice is empty.
+/// Throws std::invalid_argument for a model without flexible bodies, with inertia: projection, or where no
+/// output moves; UnknownName for outputs; std::runtime_error when the run with all terms fails.
 InertiaStudy study_inertia(const spec::Model& model, const InertiaStudyOptions& options);
 
 /// The model without the terms that the study chose.

@@ -417,6 +417,8 @@ class InertiaChoice:
     """Each term, neglected in all bodies."""
     runs: int
     """How many runs of the model it took."""
+    notes: list[str]
+    """What else is in errors and times, as of bodies that fly freely."""
 
 
 def inertia_terms(
@@ -444,7 +446,7 @@ def inertia_terms(
         The choice, for `ModelBuilder.neglect_inertia` or the section `neglected_inertia` of a model file.
 
     Raises:
-        InputError: there is no flexible body, no output moves, or one is unknown.
+        InputError: there is no flexible body, its inertia is `projection`, no output moves, or one is unknown.
         SimulationError: the run with all terms fails.
     """
     share, end = _checks.number("error", error), _checks.given("until", until)
@@ -457,7 +459,9 @@ def inertia_terms(
         compiled(model), checked_method(method), share, names, end, measure, _checks.callback(progress)
     )
     terms = [InertiaTerm(*term) for term in found.terms]
-    return InertiaChoice(dict(found.neglected), found.error, found.worst, found.cost, terms, found.runs)
+    return InertiaChoice(
+        dict(found.neglected), found.error, found.worst, found.cost, terms, found.runs, list(found.notes)
+    )
 
 
 def convert(

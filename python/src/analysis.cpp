@@ -263,7 +263,8 @@ void bind_analysis(nb::module_& module) {
       .def_ro("error", &InertiaStudy::error)
       .def_ro("worst", &InertiaStudy::worst)
       .def_ro("cost", &InertiaStudy::cost)
-      .def_ro("runs", &InertiaStudy::runs);
+      .def_ro("runs", &InertiaStudy::runs)
+      .def_ro("notes", &InertiaStudy::notes);
   module.def("inertia_terms", &terms_of_inertia, nb::arg("model"), nb::arg("method"), nb::arg("error"),
              nb::arg("outputs"), nb::arg("end").none(), nb::arg("measure"), nb::arg("progress").none());
   module.def("without_stress", &without_stress, nb::arg("body"));

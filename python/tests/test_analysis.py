@@ -155,6 +155,7 @@ def test_inertia_terms_are_the_program_s(tmp_path):
     assert found.error == pytest.approx(said["error"] / 100)
     assert found.error <= 0.005
     assert found.runs == said["runs"]
+    assert found.notes == said["notes"] == []
     assert [term.name for term in found.terms] == [term["term"] for term in said["terms"]]
     assert all(np.isnan(term.cost) for term in found.terms)
     assert stages[0] == ("run with all terms", 0)

@@ -15,6 +15,7 @@
 #include "mimbre/model.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/simulation.h"
+#include "simulation/step/free_flight.h"
 
 namespace mimbre {
 namespace {
@@ -47,8 +48,12 @@ struct Place {
 class Study {
  public:
   Study(const spec::Model& model, const InertiaStudyOptions& options) : model_(model), options_(options) {
-    options_.run.formulation = spec::Simulation::Formulation::relative;
-    options_.run.inertia = spec::Simulation::Inertia::integrals;
+    const Method method = resolve_method(model.simulation, options.run);
+    if (method.inertia != spec::Simulation::Inertia::integrals)
+      throw std::invalid_argument(
+          "the model's inertia comes from the mesh's mass matrix, which has no terms to leave out; take "
+          "inertia: integrals");
+    natural_ = method.formulation == spec::Simulation::Formulation::natural;
     for (std::size_t k = 0; k < model.bodies.size(); ++k)
       if (model.bodies[k].flexible && model.bodies[k].flexible->modes > 0 && !model.bodies[k].elastodynamic)
         out_.bodies.push_back({model.bodies[k].name, static_cast<int>(k), {}, {}});
@@ -62,9 +67,15 @@ class Study {
     tell("run with all terms", 0);
     const auto full = Model::compile(model_);
     choose_outputs(full);
-    all_ = run(full, true);
+    all_ = run(full, options_.run, !natural_);
+    if (natural_) {  // the estimates go by relative coordinates
+      RunOptions relative = options_.run;
+      relative.formulation = spec::Simulation::Formulation::relative;
+      all_.states = run(full, relative, true).states;
+    }
     find_ranges(full);
     estimate(*full);
+    name_flying(full->compiled());
     for (int k = 0; k < inertia_term_count; ++k) judge_alone(k);
     choose();
     if (options_.measure) measure();
@@ -92,9 +103,21 @@ class Study {
         add(static_cast<int>(k));
   }
 
-  History run(const std::shared_ptr<const Model>& model, bool with_states) {
+  /// Neglected terms end the correction of what flies freely (FreeFlight), which is of the step's order.
+  void name_flying(const Compiled& full) {
+    for (const FreeGroup& group : free_groups(full))
+      for (const InertiaStudy::Body& body : out_.bodies)
+        if (std::any_of(group.bodies.begin(), group.bodies.end(),
+                        [&](int k) { return full.bodies[static_cast<std::size_t>(k)].spec == body.index; }))
+          out_.notes.push_back(fmt::format(
+              "body '{}' flies freely: steps restore its momentum, but not without any of its terms. "
+              "Errors and times have that in them; it falls with the square of the step",
+              body.name));
+  }
+
+  History run(const std::shared_ptr<const Model>& model, const RunOptions& options, bool with_states) {
     ++out_.runs;
-    Simulation simulation(model, options_.run);
+    Simulation simulation(model, options);
     const double end = options_.end > 0 ? options_.end : model_.simulation.end, h = simulation.step_size();
     const auto steps = std::max<Index>(1, static_cast<Index>(std::round(end / h)));
     const auto stride =
@@ -156,7 +179,7 @@ class Study {
   /// The largest error of an output, infinite where the run fails; `worst`: which, if asked for.
   double error_without(const std::vector<InertiaTerms>& neglected, std::string* worst = nullptr) {
     try {
-      const History history = run(Model::compile(without(neglected)), false);
+      const History history = run(Model::compile(without(neglected)), options_.run, false);
       if (history.rows.size() != all_.rows.size()) return infinite;  // an event has ended it elsewhere
       double largest = 0;
       for (std::size_t i = 0; i < history.rows.size(); ++i)
@@ -317,6 +340,7 @@ class Study {
   std::vector<int> channels_;
   VectorXd ranges_;
   History all_;
+  bool natural_ = false;
 };
 
 }  // namespace

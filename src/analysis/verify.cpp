@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "compile/compiled.h"
+#include "mimbre/diagnostics.h"
 #include "mimbre/method_names.h"
 
 namespace mimbre {
@@ -238,6 +239,12 @@ Verification verify(std::shared_ptr<const Model> model, const VerifyOptions& opt
   const spec::Simulation& given = model->spec().simulation;
   RunOptions method = options.run;
   Verification v;
+  for (const spec::Body& body : model->spec().bodies)
+    if (body.elastodynamic)
+      throw InputError(body.mark,
+                       fmt::format("body '{}' bends by elastodynamics, which natural coordinates do "
+                                   "not have: there is nothing to compare with",
+                                   body.name));
   v.method = resolve_method(given, method);
   method.step = v.method.step;
   const RunPlan plan =

@@ -413,12 +413,13 @@ std::string identifier_of(const std::string& file) {
 GeneratedCode portable::generate_steps(const std::shared_ptr<const Model>& model, const RunOptions& options,
                                        const std::string& name, bool varies) {
   portable::check_identifier(name);
+  const Compiled& m = model->compiled();
+  // As the model and the user have it: a fixed cost may not go with what is refused.
+  std::vector<Diagnostic> reasons = portable::refusals(m, resolve_method(m.spec().simulation, options));
+  if (!reasons.empty()) throw InputError(std::move(reasons));
   RunOptions fixed = options;
   fixed.fixed_cost = true;
-  const Compiled& m = model->compiled();
   const Method method = resolve_method(m.spec().simulation, fixed);
-  std::vector<Diagnostic> reasons = portable::refusals(m, method);
-  if (!reasons.empty()) throw InputError(std::move(reasons));
   try {
     return portable::Generator(m, method, options.inputs, name, varies).write();
   } catch (const NotRecordable& reason) {

@@ -91,6 +91,14 @@ TEST_F(Verify, SaysWhichFormulationFailed) {
   EXPECT_TRUE(json.at("channels").empty());
 }
 
+TEST_F(Verify, ElastodynamicsHasNothingToCompareWith) {
+  const std::string crank = std::string(MIMBRE_SOURCE_DIR) + "/examples/slider-crank/slider-crank.yaml";
+  const Outcome outcome = run({"verify", crank, "--set", "approach=elastodynamics"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("body 'rod' bends by elastodynamics"));
+  EXPECT_THAT(outcome.out, testing::IsEmpty());
+}
+
 TEST_F(Verify, BadModelsAndWrongUseAreToldApart) {
   EXPECT_EQ(run({"verify", "missing.yaml"}).code, 1);
   EXPECT_EQ(run({"verify"}).code, 2);

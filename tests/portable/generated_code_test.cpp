@@ -489,6 +489,16 @@ joints: {free: {type: floating, between: [ground, top]}}
     EXPECT_NE(std::string(error.what()).find("body 'rod' bends by linear elastodynamics"), std::string::npos)
         << error.what();
   }
+  // By what was asked for, not by the fixed cost that code has.
+  RunOptions global;
+  global.formalism = spec::Simulation::Formalism::global_modes;
+  try {
+    generate_code(model_of(four_bar_text({})), global, "model");
+    ADD_FAILURE() << "code of global modes";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("formalism index3 only"), std::string::npos) << error.what();
+    EXPECT_EQ(std::string(error.what()).find("fixed_cost"), std::string::npos) << error.what();
+  }
   for (const char* const rule : {"radau", "rk4", "conserve"}) {
     const std::string other = refusal(four_bar_text({}) + "simulation: {integrator: {type: " + rule + "}}\n");
     EXPECT_NE(other.find("integrators generalized_alpha, hht and newmark only"), std::string::npos) << other;

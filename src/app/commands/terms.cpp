@@ -64,6 +64,7 @@ std::string tables_of(const TermsArguments& a, const InertiaStudy& s, double ask
       in_percent(s.error), s.outputs.size() == 1 ? "its range" : "their ranges",
       s.worst.empty() ? "" : fmt::format(", '{}'", s.worst), in_percent(asked), s.cost, s.cost_without_any,
       s.runs);
+  for (const std::string& note : s.notes) text += fmt::format("Note: {}\n", note);
   if (!a.output.empty()) text += fmt::format("{}: the model without these terms\n", a.output);
   return text;
 }
@@ -77,6 +78,7 @@ Json json_of(const InertiaStudy& s, double asked) {
   json["cost_without_any"] = s.cost_without_any;
   json["runs"] = s.runs;
   json["outputs"] = s.outputs;
+  json["notes"] = s.notes;
   for (const InertiaStudy::Term& t : s.terms)
     json["terms"].push_back({{"term", inertia_terms[static_cast<std::size_t>(t.term)].name},
                              {"estimate", 100 * t.estimate},
@@ -121,7 +123,12 @@ int run_terms(const TermsArguments& a) {
     throw Failure(error.what());
   }
   progress.clear();
-  if (!a.output.empty()) write_choice(study, a.model, a.output, a.settings);
+  if (!a.output.empty()) {
+    std::vector<std::string> given = a.settings;
+    if (model.simulation.inertia != spec::Simulation::Inertia::integrals)
+      given.emplace_back("--inertia integrals");
+    write_choice(study, a.model, a.output, given);
+  }
   if (a.json) {
     Json json = json_of(study, options.error);
     if (!a.output.empty()) json["output"] = a.output;
