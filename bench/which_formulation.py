@@ -204,6 +204,35 @@ def slider_crank(runner: Runner) -> tuple[str, str]:
     )
 
 
+def critical_speed(runner: Runner) -> str:
+    """The rod with a short crank about its first frequency, where the slider does not push it over."""
+    file = EXAMPLES / "slider-crank/slider-crank.yaml"
+    extra = "outputs:\n  - {name: end.deflection, deflection: rod.small_end, along: [0, 0, 1]}\n"
+    crank, length, diameter, young, density, damping = 0.003, 0.3, 0.006, 2.1e11, 7850, 1e-5
+    frequency = (math.pi / length) ** 2 * math.sqrt(young * diameter**2 / 16 / density)
+    ratio = damping / 2 * frequency
+    ways = [
+        Way("elastodynamics", {"approach": "elastodynamics", "crank": crank}),
+        Way("geometric stiffness", {"approach": "geometric_stiffness", "crank": crank}),
+        Way("corotational, 10 elements", {"approach": "corotational", "elements": 10, "crank": crank}),
+    ]
+    rows = []
+    for share in (0.8, 0.9, 1, 1.1, 1.25, 1.5):
+        turn = 2 * math.pi / (share * frequency)
+        options = (
+            f"--set speed={share * frequency!r} --set interval={turn / 40!r} --set step={turn / 200!r} --until 1.2"
+        )
+        closed = 2 / math.pi * crank * share**2 / math.hypot(1 - share**2, 2 * ratio * share)
+        row = [f"{share:g}", f"{1e3 * closed:.3g}"]
+        for way in ways:
+            outcome = runner.run(file, way, options, extra)
+            middle, end = outcome.columns["rod.deflection"], outcome.columns["end.deflection"]
+            last = [a - 0.5 * b for a, b in zip(middle, end, strict=True)][-80:]
+            row.append(outcome.failed or f"{500 * (max(last) - min(last)):.3g}")
+        rows.append(row)
+    return table(["speed by the rod's frequency", "closed form, mm", *(f"{way.name}, mm" for way in ways)], rows)
+
+
 def spin_up(runner: Runner) -> tuple[str, str]:
     file = EXAMPLES / "spin-up-beam/beam-2d.yaml"
     ways = [
@@ -366,7 +395,8 @@ def page(runner: Runner, folder: pathlib.Path) -> str:
     ]
     text = (TOP / "bench/which_formulation.md").read_text()
     parts = {
-        "CRANK": crank, "SPIN_UP": spin, "FREQUENCIES": frequencies(runner), "FOUR_BAR": four_bar,
+        "CRANK": crank, "CRITICAL": critical_speed(runner), "SPIN_UP": spin, "FREQUENCIES": frequencies(runner),
+        "FOUR_BAR": four_bar,
         "SUSPENSION": vehicles[0], "VEHICLE": vehicles[1], "BASES": arms, "BASES_VEHICLE": cars,
         "LUMPED": lumped(runner), "SPIN_UP_IN_SPACE": spin_up_in_space(runner),
     }  # fmt: skip
