@@ -26,9 +26,10 @@ constexpr double still = 1e-10;                        ///< of the last step and
 constexpr double exactly_closed = 1e-13;               ///< no better is sought
 constexpr double nearly_closed = 1e-6;                 ///< of positions between two iterations
 constexpr double balanced_share = 1e-8;                ///< of forces that balance but for this
-constexpr double round_off_share = 1e-15;  ///< of the forces that a coordinate's scale causes, at once
-constexpr double light = 1e-9;             ///< of the largest inertia: what is lighter moves as readily
-constexpr double tiny_step = 1e-6;         ///< whose work is round-off
+constexpr double round_off_share = 1e-15;    ///< of the forces that a coordinate's scale causes, at once
+constexpr double round_off_of_play = 1e-13;  ///< of the forces at play
+constexpr double light = 1e-9;               ///< of the largest inertia: what is lighter moves as readily
+constexpr double tiny_step = 1e-6;           ///< whose work is round-off
 
 /// τ in the mechanism's own times: at first, at least, at most, and from which on its steps are Newton's.
 constexpr double first_time = 0.2, least_time = 1e-5, longest_time = 4000, newton_time = 4;
@@ -334,7 +335,7 @@ StaticsStatus SparseSearch::search() {
   linalg::ConstrainedSolver equations;
   Point at;
   Step step;
-  double last = 0;
+  double last = 0, way = 0;
   int stalled = 0;
   bool moved = true;
   for (int trials = 0; status.iterations < most_steps && trials < most_trials; ++trials) {
@@ -359,8 +360,9 @@ StaticsStatus SparseSearch::search() {
         work <= std::max(balanced_share * energy_, round_off_share * linalg::largest_entry(K_));
     if (balanced && !time.is_newton() && at.off < closed) take_newtons(at, time, step);
     stalled = step.length < tiny_step && step.length > 0.5 * last ? stalled + 1 : 0;
+    const bool rests = rests_after(step.length, last, way);
     last = step.length;
-    if (balanced && time.is_newton() && at.off < closed && (step.length < still || stalled > 3)) {
+    if (balanced && time.is_newton() && at.off < closed && (rests || stalled > 3)) {
       status.converged = true;
       multipliers_ += step.change;
       return status;
@@ -368,6 +370,7 @@ StaticsStatus SparseSearch::search() {
     const Taken taken = take(step, equations, time);
     if (taken == Taken::never) return status;
     moved = taken == Taken::yes;
+    if (moved) way += step.length;
   }
   return status;
 }
@@ -384,14 +387,15 @@ StaticsStatus SparseSearch::newton() {
   linalg::ConstrainedSolver equations;
   Point at;
   Step step;
-  double last = 0;
+  double last = 0, way = 0;
   int stalled = 0;
   VectorXd q(s_.q.size());
   while (status.iterations < most_newtons) {
     ++status.iterations;
     if (!evaluate(at, status)) return status;
     const double round_off = round_off_share * linalg::largest_entry(K_);
-    if (status.iterations == 1 && at.off < closed && largest_of(at.r) <= round_off) {
+    if (status.iterations == 1 && at.off < closed &&
+        largest_of(at.r) <= std::min(round_off, round_off_of_play * energy_)) {
       status.converged = true;  // as it is drawn, even if nothing holds it
       return status;
     }
@@ -405,8 +409,9 @@ StaticsStatus SparseSearch::newton() {
     if (step.length > furthest_newton) return status;
     const bool balanced = work <= std::max(balanced_share * energy_, round_off);
     stalled = step.length < tiny_step && step.length > 0.5 * last ? stalled + 1 : 0;
+    const bool rests = rests_after(step.length, last, way);
     last = step.length;
-    if (balanced && at.off < closed && (step.length < still || stalled > 3)) {
+    if (balanced && at.off < closed && (rests || stalled > 3)) {
       status.converged = true;
       multipliers_ += step.change;
       return status;
@@ -419,6 +424,7 @@ StaticsStatus SparseSearch::newton() {
     if (!q.allFinite() || !close(equations, q)) return status;
     s_.q = q;
     multipliers_ += share * step.change;
+    way += share * step.length;
   }
   return status;
 }

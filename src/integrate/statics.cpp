@@ -21,6 +21,7 @@ constexpr double difference = 1e-6;        ///< of coordinates, for the tangent
 constexpr double wide_difference = 1e-4;   ///< of coordinates, along a disturbance that grows
 constexpr double furthest_step = 0.3;      ///< that the tangent is trusted with
 constexpr double still = 1e-10;            ///< of the last step and of violations
+constexpr double nearly_there = 1e-6;      ///< of all the way: the last step
 constexpr double balanced_share = 1e-8;    ///< of forces that balance but for this
 constexpr double round_off_share = 1e-15;  ///< of the forces that a coordinate's scale causes, at once
 constexpr double negligible = 1e-9;        ///< of equations: what moves them by less moves nothing
@@ -311,7 +312,7 @@ StaticsStatus EquilibriumSearch::newton(int most_steps) {
     VectorXd step = tangent.step(left.forces);
     const auto longest = [&] { return n_ == 0 ? 0 : step.cwiseAbs().maxCoeff(); };
     const auto ends = [&] {
-      return balances(left, round_off_of(tangent.K)) && longest() < still && closes(left);
+      return balances(left, round_off_of(tangent.K)) && rests_after(longest(), previous, way) && closes(left);
     };
     // Another tangent where this one leads no nearer, or is not the one of the place that was found: there a
     // step of its own is as exact as Newton's.
@@ -321,13 +322,13 @@ StaticsStatus EquilibriumSearch::newton(int most_steps) {
       step = tangent.step(left.forces);
       renewed = true;
     }
-    way += longest();
-    if (!(way <= furthest_step)) return status;
     if (!renewed && ends()) {
       status.converged = true;
       judge(tangent.K, tangent.N, status);
       return status;
     }
+    way += longest();
+    if (!(way <= furthest_step)) return status;
     previous = longest();
     tangent.way += previous;
     move(step);
@@ -341,6 +342,7 @@ StaticsStatus EquilibriumSearch::run(bool careful, int most_steps) {
   double tau = first_time / units_.pace, previous = forces(s_.q, zero_).norm();
   const double least = least_time / units_.pace, most = longest_time / units_.pace;
   bool too_far = false;
+  double way = 0, last = 0;
   for (status.iterations = 0; status.iterations < most_steps; ++status.iterations) {
     const Balance left = look(status);
     const double norm = left.forces.norm();
@@ -362,19 +364,26 @@ StaticsStatus EquilibriumSearch::run(bool careful, int most_steps) {
       step = -N * solve(N.transpose() * (K + mass_ / (tau * tau)) * N, N.transpose() * left.forces);
     if (!step.allFinite()) return status;
     const double largest = n_ == 0 ? 0 : step.cwiseAbs().maxCoeff();
-    if (tau * units_.pace >= newton_time && balanced && largest < still && closes(left)) {
+    if (tau * units_.pace >= newton_time && balanced && rests_after(largest, last, way) && closes(left)) {
       status.converged = true;
       judge(K, N, status);
       break;
     }
     too_far = largest > furthest_step;
     if (too_far) step *= furthest_step / largest;
+    last = std::min(largest, furthest_step);
+    way += last;
     move(step);
   }
   return status;
 }
 
 }  // namespace
+
+bool rests_after(double step, double previous, double way) {
+  return step < still &&
+         (step == 0 || (way > 0 && (step <= nearly_there * way || step > converging * previous)));
+}
 
 StaticsStatus find_equilibrium(System& system, State& s, int most_steps) {
   EquilibriumSearch search(system, s);

@@ -1,9 +1,11 @@
 #include "mimbre/statics.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "mimbre/simulation.h"
 #include "support/models.h"
@@ -111,6 +113,47 @@ TEST(Statics, CantileverBendsAsABeam) {
   EXPECT_NEAR(value(own, "wall.fz"), weight * L, 1e-6);
   // Positive about y turns z to x, so that the weight at +x wants to turn the bar by +y.
   EXPECT_NEAR(value(own, "wall.my"), -weight * L * L / 2, 1e-6);
+}
+
+/// From a micrometre to a metre, by the dense search and by that of large models: a beam of any kind sags by
+/// w l⁴/(8 E I). A search that takes amplitudes of small bodies for nothing finds none.
+TEST(Statics, BeamsOfAllSizesSag) {
+  for (const double l : {1.0, 1e-2, 1e-4, 1e-6})
+    for (const auto& [beam, stiffening, elements] :
+         std::vector<std::tuple<const char*, const char*, int>>{{"corotational", "linear", 8},
+                                                                {"corotational", "linear", 60},
+                                                                {"reduced", "linear", 8},
+                                                                {"reduced", "foreshortening", 8},
+                                                                {"ancf_cable", "linear", 8}}) {
+      SCOPED_TRACE(fmt::format("{} m, {} {} {}", l, beam, stiffening, elements));
+      const auto model = model_of(fmt::format(R"(
+gravity: [0, 0, -9.81]
+materials: {{steel: {{young: 2.1e11, poisson: 0.3, density: 7850}}}}
+sections: {{square: {{type: rectangle, width: {0:.17g}, height: {0:.17g}}}}}
+bodies:
+  beam:
+    frame: {{at: [0, 0, 0]}}
+    flexible:
+      material: steel
+      section: square
+      nodes: {{root: [0, 0, 0], tip: [{1:.17g}, 0, 0]}}
+      bars: {{bar: {{from: root, to: tip, elements: {2}}}}}
+      clamped: [root]
+      dynamic_modes: {3}
+      beam: {4}
+      stiffening: {5}
+joints:
+  wall: {{type: fixed, between: [ground, beam], at: [0, 0, 0]}}
+outputs:
+  - {{name: tip, displacement: beam.tip, relative_to: beam, component: z}}
+)",
+                                              0.02 * l, l, elements, beam == std::string("reduced") ? 6 : 0,
+                                              beam, stiffening));
+      const StaticResult found = static_equilibrium(model);
+      const double h = 0.02 * l,
+                   sag = -7850 * h * h * 9.81 * l * l * l * l / (8 * 2.1e11 * h * h * h * h / 12);
+      EXPECT_NEAR(value(found, "tip"), sag, 1e-3 * std::abs(sag));
+    }
 }
 
 TEST(Statics, FlexiblePendulumHangsStraightDown) {

@@ -1,4 +1,5 @@
 #include "dynamics/natural/system.h"
+#include "dynamics/modal_scale.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +28,8 @@ Scales scales_of(const Compiled& m, const Layout& l) {
   for (int k = 0; k < l.unknown_variables; ++k)
     if (!l.variables[k].point) std::fill_n(s.coordinates.begin() + 3 * k, 3, 1.0);
   for (std::size_t i = 0; i < l.bodies.size(); ++i)
-    std::fill_n(s.coordinates.begin() + l.bodies[i].q, m.bodies[i].modes, amplitude_scale(m, m.bodies[i]));
+    for (int k = 0; k < m.bodies[i].modes; ++k)
+      s.coordinates[static_cast<std::size_t>(l.bodies[i].q + k)] = modal_scale(m, m.bodies[i], k);
   for (const Joint& j : l.joints) {
     int row = j.first_equation;
     for (const JointEquation& e : j.equations)

@@ -1,4 +1,5 @@
 #include "dynamics/relative/system.h"
+#include "dynamics/modal_scale.h"
 
 #include <fmt/format.h>
 
@@ -35,7 +36,7 @@ Scales scales_of(const Compiled& m) {
   for (const BodyData& b : m.bodies) {
     for (int k = 0; k < b.joint_velocities; ++k)
       if (!is_angle(b.joint, k)) s.coordinates[b.v + k] = m.length_scale;
-    for (int k = 0; k < b.modes; ++k) s.coordinates[b.v + b.joint_velocities + k] = amplitude_scale(m, b);
+    for (int k = 0; k < b.modes; ++k) s.coordinates[b.v + b.joint_velocities + k] = modal_scale(m, b, k);
   }
   for (const LoopData& l : m.loops)
     for (int r = 0; r < l.count; ++r)

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "dynamics/modal_scale.h"
 #include "dynamics/natural/column_groups.h"
 #include "dynamics/relative/forces.h"
 #include "forces/measure_wheel.h"
@@ -165,7 +166,7 @@ bool let_wheels_go(relative::RelativeSystem& observer, State& s, Bends& bends) {
 
 /// Energy of a mode at its scale, J.
 double elastic_energy(const Compiled& m, const BodyData& b, int mode) {
-  const double amplitude = amplitude_scale(m, b);
+  const double amplitude = modal_scale(m, b, mode);
   return 0.5 * m.flexible[b.flexible].stiffness(mode, mode) * amplitude * amplitude;
 }
 
