@@ -97,6 +97,14 @@ void judge_stability(const MatrixXd& K, const MatrixXd& mass, const MatrixXd& N,
   x.cwiseAbs().maxCoeff(&status.growing);
 }
 
+/// Whether a search ends with a step of this length by the mechanism's scales, after one of length `previous`
+/// and all the `way`. All of these are small where coordinates are amplitudes of small bodies: so a step is
+/// also judged by the way, and what no longer shrinks is round-off.
+bool rests_after(double step, double previous, double way) {
+  return step < still &&
+         (step == 0 || (way > 0 && (step <= nearly_there * way || step > converging * previous)));
+}
+
 /// Implicit steps of time τ without velocities. All vectors and matrices are along the scales of the
 /// coordinates.
 class EquilibriumSearch {
@@ -379,11 +387,6 @@ StaticsStatus EquilibriumSearch::run(bool careful, int most_steps) {
 }
 
 }  // namespace
-
-bool rests_after(double step, double previous, double way) {
-  return step < still &&
-         (step == 0 || (way > 0 && (step <= nearly_there * way || step > converging * previous)));
-}
 
 StaticsStatus find_equilibrium(System& system, State& s, int most_steps) {
   EquilibriumSearch search(system, s);

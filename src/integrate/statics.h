@@ -18,11 +18,6 @@ struct StaticsStatus {
   int load_steps = 0;   ///< equilibria sought on the way, unbalanced forces applied bit by bit; 0: at once
 };
 
-/// Whether a search ends with a step of this length by the mechanism's scales, after one of length `previous`
-/// and all the `way`. All of these are small where coordinates are amplitudes of small bodies: so a step is
-/// also judged by the way, and what no longer shrinks is round-off.
-bool rests_after(double step, double previous, double way);
-
 /// Static equilibrium at state.time: q and multipliers with Q − Φzᵀ λ = 0, Φ = 0 at rest, from state.q.
 /// Pseudo-transient continuation (Kelley, Keyes 1998): Newton with the tangent by central differences and
 /// M/τ² added, τ growing as the forces come to balance, so that neutral directions stay put and a mechanism
