@@ -103,15 +103,16 @@ class Study {
         add(static_cast<int>(k));
   }
 
-  /// Neglected terms end the correction of what flies freely (FreeFlight), which is of the step's order.
+  /// Where a term is neglected steps do not correct the momentum of what flies freely (FreeFlight).
   void name_flying(const Compiled& full) {
     for (const FreeGroup& group : free_groups(full))
       for (const InertiaStudy::Body& body : out_.bodies)
         if (std::any_of(group.bodies.begin(), group.bodies.end(),
                         [&](int k) { return full.bodies[static_cast<std::size_t>(k)].spec == body.index; }))
           out_.notes.push_back(fmt::format(
-              "body '{}' flies freely: steps restore its momentum, but not without any of its terms. "
-              "Errors and times have that in them; it falls with the square of the step",
+              "body '{}' flies freely: steps restore its momentum, but not where any of its terms is "
+              "neglected. The drift that is left is part of the errors here; it falls with the square of the "
+              "step",
               body.name));
   }
 

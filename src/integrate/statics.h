@@ -21,9 +21,10 @@ struct StaticsStatus {
 /// Static equilibrium at state.time: q and multipliers with Q − Φzᵀ λ = 0, Φ = 0 at rest, from state.q.
 /// Pseudo-transient continuation (Kelley, Keyes 1998): Newton with the tangent by central differences and
 /// M/τ² added, τ growing as the forces come to balance, so that neutral directions stay put and a mechanism
-/// that does not touch yet falls until it does. Where that leads nowhere, once more from the start with τ
-/// that gets smaller where a step leads too far. On return velocities and accelerations are zero. Everything
-/// is measured by the mechanism's own scales (Scales): similar mechanisms take the same iterations.
+/// that does not touch yet falls until it does. Near an equilibrium one tangent serves for several steps.
+/// Where that leads nowhere, once more from the start with τ that gets smaller where a step leads too far. On
+/// return velocities and accelerations are zero. Everything is measured by the mechanism's own scales
+/// (Scales): similar mechanisms take the same iterations.
 /// `most_steps`: in each of the two attempts.
 StaticsStatus find_equilibrium(System& system, State& state, int most_steps = 400);
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "analysis/linear_element.h"
-#include "analysis/modal_scales.h"
 #include "base/random_numbers.h"
+#include "dynamics/modal_scale.h"
 #include "dynamics/natural/column_groups.h"
 #include "dynamics/natural/joint_positions.h"
 #include "dynamics/natural/residual.h"
@@ -102,10 +102,8 @@ SparseEquations sparse_equations(const natural::NaturalSystem& system, const Sta
   out.scale = Eigen::Map<const VectorXd>(system.scales().coordinates.data(), n);
   const Compiled& m = system.model();
   for (std::size_t b = 0; b < l.bodies.size(); ++b)
-    for (int k = 0; k < m.bodies[b].modes; ++k) {
-      double& scale = out.scale[l.bodies[b].q + k];
-      scale = modal_scale(m, m.bodies[b], k, scale);
-    }
+    for (int k = 0; k < m.bodies[b].modes; ++k)
+      out.scale[l.bodies[b].q + k] = scale_by_modal_mass(m, m.bodies[b], k);
   NaturalCore core(system, s, u, z);
   using By = NaturalCore::By;
   VectorXd x(n);
