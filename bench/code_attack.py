@@ -27,13 +27,14 @@ MAIN = """#include <stdio.h>
 #include "code.h"
 static code model;
 int main(void) {
-  int k, i, status = 0;
+  int k, i, status = CODE_OK;
   code_init(&model);
   for (k = 0; k <= %d; ++k) {
     for (i = 0; i < CODE_OUTPUTS; ++i) printf("%%.17g ", code_get_output(&model, i));
     printf("\\n");
+    if (status == CODE_ENDED) break;
     status = code_step(&model);
-    if (status > CODE_UNCONVERGED) break;
+    if (status > CODE_UNCONVERGED && status != CODE_ENDED) break;
   }
   return 0;
 }
@@ -43,7 +44,6 @@ FLAGS = "-std=c99 -O1 -g -Wall -Wextra -Wpedantic -Werror -fsanitize=address,und
 
 def model_of(seed):
     model = random_model(seed, step=STEP, end=END)
-    model.pop("events", None)
     for name in ("formulation", "formalism", "integrator", "inertia"):
         model["simulation"].pop(name, None)
     model["simulation"] |= {"step": STEP, "end": END, "output_interval": STEP, "formulation": "relative"}

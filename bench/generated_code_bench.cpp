@@ -36,7 +36,9 @@ constexpr std::array models{"tutorial/pendulum",
                             "iltis/suspension",
                             "iltis/vehicle",
                             "iltis/drive",
-                            "iltis/anti-lock"};
+                            "iltis/anti-lock",
+                            "iltis/brake-in-bend",
+                            "solar-array/model"};
 constexpr double seconds = 1;
 
 mimbre::RunOptions fixed_cost() {

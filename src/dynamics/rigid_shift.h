@@ -9,33 +9,35 @@ namespace mimbre {
 /// and `spin` but does not accelerate:
 ///   r' = c + move + Q (r − c),   ṙ' = ċ + rate + Q (ṙ − ċ) + spin × Q (r − c),
 ///   r̈' = c̈ + Q (r̈ − c̈) + 2 spin × Q (ṙ − ċ) + spin × (spin × Q (r − c))
-struct RigidShift {
-  Vec3d centre = Vec3d::Zero(), velocity = Vec3d::Zero(), acceleration = Vec3d::Zero();  ///< c, ċ, c̈
-  Mat3d turn = Mat3d::Identity();                                                        ///< Q
-  Vec3d move = Vec3d::Zero(), rate = Vec3d::Zero(), spin = Vec3d::Zero();
+template <class T>
+struct RigidShiftOf {
+  Vec3<T> centre = Vec3<T>::Zero(), velocity = Vec3<T>::Zero(), acceleration = Vec3<T>::Zero();  ///< c, ċ, c̈
+  Mat3<T> turn = Mat3<T>::Identity();                                                            ///< Q
+  Vec3<T> move = Vec3<T>::Zero(), rate = Vec3<T>::Zero(), spin = Vec3<T>::Zero();
 
   /// Of a vector fixed in a body, with its rates.
-  void vector(Vec3d& e, Vec3d& first, Vec3d& second) const {
+  void vector(Vec3<T>& e, Vec3<T>& first, Vec3<T>& second) const {
     e = turn * e;
-    const Vec3d carried = turn * first, swept = spin.cross(e);
-    second = turn * second + spin.cross(2 * carried + swept);
+    const Vec3<T> carried = turn * first, swept = spin.cross(e);
+    second = turn * second + spin.cross(T(2) * carried + swept);
     first = carried + swept;
   }
-  void point(Vec3d& r, Vec3d& first, Vec3d& second) const {
-    Vec3d e = r - centre, e1 = first - velocity, e2 = second - acceleration;
+  void point(Vec3<T>& r, Vec3<T>& first, Vec3<T>& second) const {
+    Vec3<T> e = r - centre, e1 = first - velocity, e2 = second - acceleration;
     vector(e, e1, e2);
     r = centre + move + e;
     first = velocity + rate + e1;
     second = acceleration + e2;
   }
-  Motion<double> operator()(Motion<double> m) const {
+  Motion<T> operator()(Motion<T> m) const {
     point(m.position, m.velocity, m.acceleration);
     m.rotation = turn * m.rotation;
-    const Vec3d omega = turn * m.omega;
+    const Vec3<T> omega = turn * m.omega;
     m.alpha = turn * m.alpha + spin.cross(omega);
     m.omega = omega + spin;
     return m;
   }
 };
+using RigidShift = RigidShiftOf<double>;
 
 }  // namespace mimbre

@@ -216,8 +216,9 @@ auto choose(const RecordedCondition& condition, const F& f, const G& g) -> declt
 
 /// Functions that recordings call. Of a FunctionData: its value with both derivatives, or its antiderivative.
 /// Of an IntegralFunction: its integral from 0. Of a RoadData: the height with its slopes, and friction. Of a
-/// TriangleMesh: the distance of a point, and the normal there.
-enum class RecordedCallee { function, antiderivative, integral, road, mesh };
+/// TriangleMesh: the distance of a point, and the normal there. Of a block's numbers: noise at a time;
+/// what a table of two variables has there, and its slopes.
+enum class RecordedCallee { function, antiderivative, integral, road, mesh, noise, table_of_two };
 
 inline double in_lane(const Recorded& x, int) { return x.value(); }
 Recorded value_at(const FunctionData& f, const Recorded& x);

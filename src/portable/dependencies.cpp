@@ -82,7 +82,9 @@ class Search {
     found_.acceleration = found_.acceleration || memory == Memory::a || memory == Memory::multipliers;
     found_.motion = found_.motion || memory == Memory::q || memory == Memory::v;
     found_.time = found_.time || memory == Memory::time;
-    found_.memory = found_.memory || memory == Memory::states;
+    found_.time = found_.time || memory == Memory::delayed;
+    found_.memory = found_.memory || memory == Memory::states || memory == Memory::delayed ||
+                    memory == Memory::event_count || memory == Memory::event_time;
     if (memory == Memory::held) return read_held(at);
     const auto made = stores_.find({memory, at});
     if (made != stores_.end()) wait_.insert(wait_.end(), made->second.begin(), made->second.end());

@@ -78,6 +78,8 @@ class Variation {
     const auto value = [](int of) { return of < 0 ? Recorded(0) : Recorded::of_node(of); };
     const auto varies = [&](int of) { return of < 0 ? Recorded(0) : known_.at(of); };
     if (n.op == Op::constant || Recording::is_condition(n.op)) return 0;
+    if (n.op == Op::input && static_cast<Memory>(n.b) == Memory::delayed)
+      return program_.input(Memory::delay_rate, n.a) * program_.input(Memory::d_time, 0);
     if (n.op == Op::input) {
       const std::optional<Memory> memory = kept_(static_cast<Memory>(n.b));
       if (!memory) throw NotRecordable("has an output that depends on second derivatives of signals");
@@ -177,13 +179,17 @@ class Variation {
     const auto other = [&](int part) {
       return Recorded::of_node(program_.recording.node({Op::part, n.a, part, -1, 0}));
     };
+    if (of.kind == static_cast<int>(RecordedCallee::noise)) return 0;
     if (of.kind == static_cast<int>(RecordedCallee::function) && n.b < 2) return other(n.b + 1) * dx;
     const Recorded x = Recorded::of_node(call.a);
     if (of.kind == static_cast<int>(RecordedCallee::antiderivative))
       return value_at(*static_cast<const FunctionData*>(of.data), x) * dx;
     if (of.kind == static_cast<int>(RecordedCallee::integral))
       return value_at(static_cast<const IntegralFunction*>(of.data)->f.front(), x) * dx;
-    if (of.kind == static_cast<int>(RecordedCallee::road) && n.b == 0) return other(1) * dx + other(2) * dy;
+    if ((of.kind == static_cast<int>(RecordedCallee::road) ||
+         of.kind == static_cast<int>(RecordedCallee::table_of_two)) &&
+        n.b == 0)
+      return other(1) * dx + other(2) * dy;
     if (of.kind == static_cast<int>(RecordedCallee::road) && n.b == 3) return 0;
     if (of.kind == static_cast<int>(RecordedCallee::mesh) && n.b == 0)
       return other(1) * dx + other(2) * dy + other(3) * dz;

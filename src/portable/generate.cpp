@@ -16,8 +16,10 @@
 #include "portable/refusals.h"
 #include "portable/texts.h"
 #include "portable/write_tables.h"
+#include "signals/blocks/delay.h"
 #include "signals/values.h"
 #include "simulation/start/start.h"
+#include "simulation/step/event_step.h"
 #include "simulation/step/mechanism.h"
 
 namespace mimbre {
@@ -110,9 +112,20 @@ class Generator {
       samples += of("motion") + of("sense_rest") + of("see_rest") +
                  most_signal_rounds * of("sense_round_rest") +
                  of(recorded_->rests ? "forces_rest" : "forces_step");
-    out_.operations = samples + of("origin") + of("signals_step") + method_.max_iterations * iteration +
-                      of("retract") + of("motion") * (equations ? 7 : 1) + (equations ? 7 * projection : 0) +
-                      sight + of("commit") + 20 * n;
+    const long look = of("origin") + of("signals_rest") + of("motion") + of("sense_rest") + of("see_rest") +
+                      most_signal_rounds * of("sense_round_rest") +
+                      of(recorded_->rests ? "forces_rest" : "forces_step");
+    const long events = m_.spec().events.empty() ? 0
+                                                 : 2 * (1 + EventChain::longest) *
+                                                       (2 * look + of("events") + of("keep_blocks_rest"));
+    const long flights = recorded_->flights.empty()
+                             ? 0
+                             : look + of("flight_begin") + of("flight_rates") + 2 * of("flight_gain") +
+                                   of("flight_end") + 4 * of("motion");
+    out_.operations = samples + events + flights + of("origin") + of("signals_step") +
+                      method_.max_iterations * iteration + of("retract") +
+                      of("motion") * (equations ? 7 : 1) + (equations ? 7 * projection : 0) + sight +
+                      of("commit") + 20 * n;
   }
 
   int size_of(Memory memory) const { return recorded_->program.sizes[static_cast<std::size_t>(memory)]; }
@@ -131,6 +144,13 @@ class Generator {
     state.add("last", n);
     state.add("before", n);
     state.add("mark_kept", marked);
+    const int events = static_cast<int>(std::ssize(m_.spec().events));
+    if (events > 0) {
+      state.add("event_side", events, "of zero on which an event's value is");
+      state.add("happened", events, "how often, and when last");
+      state.add("when", events);
+      state.add("settled", 1, "what was set has made its events happen");
+    }
     state_ = state.text + "  double time;\n  int known, order, started, begun;\n";
     std::set<std::string> there;
     for (std::size_t k = 0; k < memories; ++k) {
@@ -139,7 +159,7 @@ class Generator {
       if (member.starts_with("state.") || of_exchange(memory) || !there.insert(member).second) continue;
       long size = size_of(memory);
       if (memory == Memory::residual || memory == Memory::correction || memory == Memory::v ||
-          memory == Memory::a)
+          memory == Memory::a || memory == Memory::algorithmic)
         size = n;
       if (memory == Memory::q || memory == Memory::moved) size = q;
       if (memory == Memory::matrix || memory == Memory::assembled)
@@ -158,8 +178,8 @@ class Generator {
     work.add("inverse", n);
     work.add("column", stride);
     work.add("tangent_kept", size_of(Memory::tangent));
-    for (const char* member : {"algorithmic", "start_a", "start_algorithmic", "rest_r", "unprojected",
-                               "nearest_x", "own", "error", "rest", "new_x", "new_d"})
+    for (const char* member : {"start_a", "start_algorithmic", "rest_r", "unprojected", "nearest_x", "own",
+                               "error", "rest", "new_x", "new_d"})
       work.add(member, n);
     for (const char* member : {"start_multipliers", "g", "impulse", "force", "rates", "violation",
                                "nearest_multipliers", "multipliers_before"})
@@ -210,7 +230,8 @@ class Generator {
         "\n/* What a step returns. Up to {0}_UNCONVERGED it was made; else the state is as before. */\n"
         "enum {{\n  {0}_OK = 0,\n  {0}_UNCONVERGED = 1, /* taken before the iterations had converged */\n"
         "  {0}_NOT_FINITE = 2,\n  {0}_SINGULAR = 3,\n  {0}_DRIFTED = 4, /* the loops have come apart */\n"
-        "  {0}_NOT_CONVERGED = 5,\n  {0}_NO_SUCH = 6 /* no such input, or no number for it */\n}};\n\n",
+        "  {0}_NOT_CONVERGED = 5,\n  {0}_NO_SUCH = 6, /* no such input, or no number for it */\n"
+        "  {0}_ENDED = 7 /* an event of the model ends the run here; the step was made */\n}};\n\n",
         upper());
     h += fmt::format(
         "/* All that the next step depends on: may be copied, kept and given to another instance. "
@@ -239,9 +260,10 @@ class Generator {
     const Scales& scales = mechanism_.observer.scales();
     const Constants define(out_.source, name_);
     define.of_header(name_, {"OK", "UNCONVERGED", "NOT_FINITE", "SINGULAR", "DRIFTED", "NOT_CONVERGED",
-                             "NO_SUCH", "INPUTS", "OUTPUTS"});
+                             "NO_SUCH", "ENDED", "INPUTS", "OUTPUTS"});
     define("N", static_cast<long>(m_.velocities));
     define("M", static_cast<long>(m_.equations));
+    define("Q", static_cast<long>(m_.positions));
     define("PANELS", static_cast<long>(m_.symbolic.panels().size()));
     define("MARKED", static_cast<long>(r.marked.size()));
     define("SENSES", static_cast<long>(r.senses));
@@ -256,6 +278,12 @@ class Generator {
     define("LOADS", static_cast<long>(r.loads));
     define("START_ROUNDS", r.loads ? 40L : 8L);
     define("SAMPLED", std::ssize(m_.signals.sampled));
+    define("DELAYS", std::ssize(r.delays));
+    define("EVENTS", std::ssize(m_.spec().events));
+    define("EVENT_ROUNDS", static_cast<long>(EventChain::longest));
+    define("FLIGHTS", std::ssize(r.flights));
+    define("FLIGHT_TURNS", static_cast<long>(std::any_of(r.flights.begin(), r.flights.end(),
+                                                         [](const RecordedFlight& f) { return !f.rigid; })));
     define("CIRCLE", static_cast<long>(r.circle.size()));
     define("SIGNAL_ROUNDS", static_cast<long>(most_signal_rounds));
     define("DEPTH", 5L);
@@ -319,6 +347,17 @@ class Generator {
       numbers("mark_small", small);
     }
     if (!r.circle.empty()) integers("circle_slot", r.circle);
+    write_delays();
+    write_events();
+    if (!r.flights.empty()) {
+      std::vector<int> q, v;
+      for (const RecordedFlight& f : r.flights) {
+        q.push_back(f.q);
+        v.push_back(f.v);
+      }
+      integers("flight_q", q);
+      integers("flight_v", v);
+    }
     s += held_inputs(m_, out_);
     const State& state = mechanism_.state;
     numbers("start_q", state.q);
@@ -328,6 +367,46 @@ class Generator {
     numbers("start_z", state.z);
     numbers("start_u", state.u);
     s += "\n";
+  }
+
+  void write_delays() {
+    if (recorded_->delays.empty()) return;
+    std::string& s = out_.source;
+    s += named(
+        "typedef struct {\n  int held, inputs, room, sampled;\n  double time;\n} @_delay;\nstatic const "
+        "@_delay "
+        "@_all_delays[] = {\n",
+        name_);
+    for (const int k : recorded_->delays) {
+      const SignalsData::Block& b = m_.signals.blocks[static_cast<std::size_t>(k)];
+      s += fmt::format(
+          "  {{{}, {}, {}, {}, {}}},\n", b.held, b.inputs, blocks::delay::room(b.states), b.every > 0 ? 1 : 0,
+          literal(m_.signals.numbers[static_cast<std::size_t>(b.numbers + blocks::delay::time)]));
+    }
+    s += "};\n";
+  }
+
+  void write_events() {
+    if (m_.spec().events.empty()) return;
+    using Direction = spec::Event::Direction;
+    std::string& s = out_.source;
+    s += named(
+        "typedef struct {\n  int direction, stops, first_set, last_set;\n} @_event;\nstatic const @_event "
+        "@_all_events[] = {\n",
+        name_);
+    std::vector<int> inputs;
+    for (const spec::Event& e : m_.spec().events) {
+      const std::size_t first = inputs.size();
+      for (const spec::Event::Set& set : e.sets) inputs.push_back(set.input);
+      s += fmt::format("  {{{}, {}, {}, {}}},\n",
+                       e.direction == Direction::either   ? 0
+                       : e.direction == Direction::rising ? 1
+                                                          : -1,
+                       e.stop ? 1 : 0, first, inputs.size());
+    }
+    s += "};\n";
+    if (inputs.empty()) inputs.push_back(0);
+    s += table(name_ + "_event_inputs", inputs);
   }
 
   void write_panels() {
@@ -359,13 +438,19 @@ class Generator {
     if (d.sampled.empty()) return;
     std::string& s = out_.source;
     s += named(
-        "typedef struct {\n  int held, values, block, memory;\n  double every;\n} @_sampled;\nstatic const "
+        "typedef struct {\n  int held, values, block, memory, delay;\n  double every;\n} @_sampled;\nstatic "
+        "const "
         "@_sampled @_all_sampled[] = {\n",
         name_);
     for (const SignalsData::Sampled& of : d.sampled) {
       const SignalsData::Block* b = of.block < 0 ? nullptr : &d.blocks[static_cast<std::size_t>(of.block)];
-      s += fmt::format("  {{{}, {}, {}, {}, {}}},\n", of.held, of.values, b ? b->held : -1,
-                       b ? b->memory() : 0, literal(of.every));
+      const auto delay = std::find(recorded_->delays.begin(), recorded_->delays.end(), of.block);
+      const bool delays = b && delay != recorded_->delays.end();
+      s += fmt::format("  {{{}, {}, {}, {}, {}, {}}},\n", of.held, of.values, b ? b->held : -1,
+                       delays ? 1 + b->inputs
+                       : b    ? b->memory()
+                              : 0,
+                       delays ? delay - recorded_->delays.begin() : -1, literal(of.every));
     }
     s += named("};\nstatic void @_evaluate_sampled(@ *s, int k, int begun) {\n  switch (k) {\n", name_);
     for (std::size_t k = 0; k < d.sampled.size(); ++k) {

@@ -308,8 +308,70 @@ static void @_sense(@ *s, int instant) {
   (void)s;
   (void)instant;
 }
+#if @_DELAYS > 0
+/* The inputs of delays at a moment, from lists of how many points there are, which is the newest, and of their times and
+   values. */
+static void @_look_back(@ *s, double time) {
+  int i;
+  for (i = 0; i < @_DELAYS; ++i) {
+    const @_delay *const d = @_all_delays + i;
+    const double *const list = s->state.u + d->held + 1 + d->inputs;
+    const double moment = time - d->time;
+    const int points = (int)list[0], oldest = (int)list[1] - (points - 1) + d->room;
+    int low = 0, high = points;
+    const double *a, *b;
+    s->delayed[i] = s->delay_rate[i] = 0.0;
+    if (points == 0) continue;
+    while (low < high) {
+      const int middle = (low + high)/2;
+      if (list[2 + 2*((oldest + middle)%d->room)] <= moment)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    a = list + 2 + 2*((oldest + (low > 0 ? low - 1 : 0))%d->room);
+    b = list + 2 + 2*((oldest + (low < points ? low : points - 1))%d->room);
+    s->delayed[i] = a[1];
+    if (a == b) continue;
+    s->delayed[i] = a[1] + (moment - a[0])/(b[0] - a[0])*(b[1] - a[1]);
+    s->delay_rate[i] = (b[1] - a[1])/(b[0] - a[0]);
+  }
+}
+
+/* A point of now into the list of what a block remembers. */
+static void @_keep_delay(const @_delay *d, double *u, int begun, double time) {
+  double *const list = u + d->held + 1 + d->inputs, *at;
+  const double value = u[d->held + 1];
+  int points = begun ? (int)list[0] : 0, last = points > 0 ? (int)list[1] : 0, jumps;
+  at = list + 2 + 2*last;
+  if (points > 0 && at[0] == time && at[1] == value) return;
+  jumps = points > 0 && at[0] == time;
+  if (!(points > 1 && !jumps && time - list[2 + 2*((last - 1 + d->room)%d->room)] < 3.0*d->time/d->room)) {
+    last = points > 0 ? (last + 1)%d->room : 0;
+    points = points < d->room ? points + 1 : d->room;
+  }
+  at = list + 2 + 2*last;
+  at[0] = time;
+  at[1] = value;
+  list[0] = points;
+  list[1] = last;
+}
+static void @_keep_delays(@ *s, int begun) {
+  int i;
+  for (i = 0; i < @_DELAYS; ++i) {
+    const @_delay *const d = @_all_delays + i;
+    const int list = d->held + 1 + d->inputs;
+    memcpy(s->next_u + list, s->state.u + list, (size_t)(2 + 2*d->room)*sizeof(double));
+    if (!d->sampled) @_keep_delay(d, s->next_u, begun, s->now[0]);
+  }
+}
+#endif
+
 static void @_signals(@ *s, int instant, double time) {
   s->now[0] = time;
+#if @_DELAYS > 0
+  @_look_back(s, time);
+#endif
 #if @_BLOCKS
   if (instant == 0) @_signals_fresh(s);
   if (instant == 1) @_signals_rest(s);
@@ -523,6 +585,52 @@ static void @_learn(@ *s) {
 
 static double @_rate_of(const double *v) { return @_ACCELERATION > 0.0 ? sqrt(@_ACCELERATION) : @_of_coordinates(v); }
 
+#if @_FLIGHTS > 0
+/* What flies freely keeps its momentum, and of what is rigid the energy of rotation. */
+static void @_start_flight(@ *s) {
+  memcpy(s->q, s->state.q, sizeof s->q);
+  memcpy(s->v, s->state.v, sizeof s->v);
+  memcpy(s->a, s->state.a, sizeof s->a);
+  @_origin(s);
+  @_signals(s, @_rest_instant(s), s->state.time);
+  @_motion(s);
+  @_flight_begin(s);
+}
+static void @_end_flight(@ *s) {
+  int i, k;
+#if @_FLIGHT_TURNS
+  /* By the change of shape, at both ends. */
+  @_flight_rates(s);
+  memcpy(s->unprojected, s->v, sizeof s->v);
+  memcpy(s->moved, s->q, sizeof s->q);
+  memcpy(s->v, s->flight_rate, sizeof s->v);
+  memcpy(s->q, s->state.q, sizeof s->q);
+  @_motion(s);
+  @_flight_gain(s);
+  for (i = 0; i < @_FLIGHTS; ++i) s->flight_sum[i] = s->flight_gain[i];
+  memcpy(s->q, s->moved, sizeof s->q);
+  @_motion(s);
+  @_flight_gain(s);
+  for (i = 0; i < @_FLIGHTS; ++i) s->flight_sum[i] += s->flight_gain[i];
+  memcpy(s->v, s->unprojected, sizeof s->v);
+  @_motion(s);
+#endif
+  @_flight_end(s);
+  for (i = 0; i < @_FLIGHTS; ++i) {
+    const double *const to = s->flown + 25*i;
+    double *const v = s->v + @_flight_v[i], *const a = s->a + @_flight_v[i];
+    double *const algorithmic = s->algorithmic + @_flight_v[i];
+    for (k = 0; k < 7; ++k) s->q[@_flight_q[i] + k] = to[k];
+    for (k = 0; k < 6; ++k) {
+      v[k] = to[7 + k];
+      a[k] = to[13 + k];
+      algorithmic[k] = to[19 + k];
+    }
+  }
+  @_motion(s);
+}
+#endif
+
 /* One step of the index-3 augmented Lagrangian with a fixed number of iterations. */
 static int @_integrate(@ *s) {
   const double end = s->state.time + @_H, penalty = @_PENALTY/@_SCALE;
@@ -534,6 +642,9 @@ static int @_integrate(@ *s) {
 
   memcpy(s->start_a, s->state.a, sizeof s->start_a);
   memcpy(s->start_algorithmic, s->state.algorithmic, sizeof s->start_algorithmic);
+#if @_FLIGHTS > 0
+  @_start_flight(s);
+#endif
   @_origin(s);
   if (!s->state.started) {
     s->state.known = s->state.order = 0;
@@ -703,6 +814,10 @@ static int @_integrate(@ *s) {
       s->algorithmic[k] += s->a[k]*((1.0 - @_ALPHA_F)/(1.0 - @_ALPHA_M));
   }
   if (!@_all_finite(s->v, @_N)) return @_NOT_FINITE;
+#if @_FLIGHTS > 0
+  @_end_flight(s);
+  if (!@_all_finite(s->q, @_Q) || !@_all_finite(s->v, @_N)) return @_NOT_FINITE;
+#endif
 
   s->state.time += @_H;
   memcpy(s->state.q, s->q, sizeof s->q);
@@ -760,14 +875,86 @@ static void @_sample(@ *s) {
       s->state.u[@_CLOCK + 1] = 1.0;
 #endif
     }
-    for (i = 0; i < t->memory; ++i) s->state.u[t->block + i] = s->sampled[t->values + i];
+#if @_DELAYS > 0
+    if (t->delay >= 0) {
+      const int begun = s->state.u[t->block] > 0.5;
+      for (i = 0; i < t->memory; ++i) s->state.u[t->block + i] = s->sampled[t->values + i];
+      @_keep_delay(@_all_delays + t->delay, s->state.u, begun, s->state.time);
+    } else
+#endif
+      for (i = 0; i < t->memory; ++i) s->state.u[t->block + i] = s->sampled[t->values + i];
+#if @_EVENTS > 0
+    s->state.settled[0] = 0.0;
+#endif
     *made = s->state.time;
     *due = (floor(s->state.time/t->every + 1e-6) + 1.0)*t->every;
   }
 }
 #endif
 
+/* What blocks start from where something has jumped. */
+static void @_take_jumps(@ *s) {
+#if @_BLOCKS
+  if (!(s->state.u[@_CLOCK + 1] > 0.0)) return;
+  @_look(s);
+  if (s->state.begun)
+    @_keep_blocks_rest(s);
+  else
+    @_keep_blocks_fresh(s);
+#if @_DELAYS > 0
+  @_keep_delays(s, s->state.begun);
+#endif
+  memcpy(s->state.u, s->next_u, sizeof s->next_u);
+#else
+  (void)s;
+#endif
+}
+
+#if @_EVENTS > 0
+static void @_look_at_events(@ *s) {
+  @_look(s);
+  @_residual_rest(s);
+  @_events(s);
+}
+static double @_side(double value) { return (double)(value > 0.0) - (double)(value < 0.0); }
+static int @_crossed(const @ *s, int event) {
+  const double now = @_side(s->event_value[event]), side = s->state.event_side[event];
+  const int direction = @_all_events[event].direction;
+  return now != 0.0 && side != 0.0 && now != side && (direction == 0 || (double)direction == now);
+}
+/* What has crossed happens, and what that makes cross. 1: it ends the run. */
+static int @_settle_events(@ *s) {
+  int ends = 0, round, k, i;
+  for (round = 0; round <= @_EVENT_ROUNDS; ++round) {
+    int crossed[@_EVENTS], any = 0;
+    @_take_jumps(s);
+    @_look_at_events(s);
+    for (k = 0; k < @_EVENTS; ++k) {
+      crossed[k] = @_crossed(s, k);
+      any = any || crossed[k];
+    }
+    for (k = 0; k < @_EVENTS; ++k)
+      if (@_side(s->event_value[k]) != 0.0) s->state.event_side[k] = @_side(s->event_value[k]);
+    if (!any || round == @_EVENT_ROUNDS) break;
+    for (k = 0; k < @_EVENTS; ++k) {
+      const @_event *const e = @_all_events + k;
+      if (!crossed[k]) continue;
+      s->state.happened[k] += 1.0;
+      s->state.when[k] = s->state.time;
+      ends = ends || e->stops;
+      for (i = e->first_set; i < e->last_set; ++i) @_set_input(s, @_event_inputs[i], s->event_set[i]);
+    }
+  }
+  s->state.settled[0] = 1.0;
+  s->shown = 0;
+  return ends;
+}
+#endif
+
 void @_init(@ *s) {
+#if @_EVENTS > 0
+  int k;
+#endif
   memset(s, 0, sizeof *s);
   s->state.time = @_START_TIME;
   memcpy(s->state.q, @_start_q, sizeof @_start_q);
@@ -777,6 +964,13 @@ void @_init(@ *s) {
   memcpy(s->state.multipliers, @_start_multipliers, sizeof @_start_multipliers);
   memcpy(s->state.z, @_start_z, sizeof @_start_z);
   memcpy(s->state.u, @_start_u, sizeof @_start_u);
+#if @_EVENTS > 0
+  @_look_at_events(s);
+  for (k = 0; k < @_EVENTS; ++k) {
+    s->state.event_side[k] = @_side(s->event_value[k]);
+    s->state.when[k] = -1.0;
+  }
+#endif
 }
 
 int @_set_input(@ *s, int input, double value) {
@@ -802,6 +996,9 @@ int @_set_input(@ *s, int input, double value) {
     u[3] = s->state.time + @_H;
   }
   s->shown = 0;
+#if @_EVENTS > 0
+  s->state.settled[0] = 0.0;
+#endif
   return @_OK;
 #else
   (void)s;
@@ -836,15 +1033,9 @@ int @_step(@ *s) {
 #if @_SAMPLED > 0
   @_sample(s);
 #endif
-#if @_BLOCKS
-  if (s->state.u[@_CLOCK + 1] > 0.0) {
-    @_look(s);
-    if (s->state.begun)
-      @_keep_blocks_rest(s);
-    else
-      @_keep_blocks_fresh(s);
-    memcpy(s->state.u, s->next_u, sizeof s->next_u);
-  }
+  @_take_jumps(s);
+#if @_EVENTS > 0
+  if (s->state.settled[0] == 0.0 && @_settle_events(s)) return @_ENDED;
 #endif
   if (s->state.begun) s->state.started = 1;
 #if @_JUMPS
@@ -864,6 +1055,9 @@ int @_step(@ *s) {
   memcpy(s->state.z, s->next_z, sizeof s->next_z);
 #endif
 #if @_HOLDS
+#if @_DELAYS > 0
+  @_keep_delays(s, 1);
+#endif
   memcpy(s->state.u, s->next_u, sizeof s->next_u);
 #endif
 #endif
@@ -872,6 +1066,9 @@ int @_step(@ *s) {
     const double multiple = round(s->state.time/@_H)*@_H;
     if (fabs(s->state.time - multiple) < 1e-6*@_H) s->state.time = multiple;
   }
+#if @_EVENTS > 0
+  if (@_settle_events(s)) return @_ENDED;
+#endif
   return s->unconverged ? @_UNCONVERGED : @_OK;
 }
 

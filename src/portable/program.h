@@ -49,6 +49,18 @@ enum class Memory {
   made,
   unsettled,  ///< in that round: of each of them whether it changes, and whether by more than round-off
   lost,
+  delayed,      ///< of blocks that delay: their input of then
+  delay_rate,   ///< and by which that changes with the time
+  event_value,  ///< of events
+  event_set,    ///< what they set inputs to
+  event_count,
+  event_time,
+  algorithmic,
+  flight,       ///< of what flies freely, at the start of a step: what it keeps
+  flight_rate,  ///< of coordinates, by which the step changed its shape
+  flight_gain,  ///< of energy of rotation, at one end
+  flight_sum,   ///< at both
+  flown,        ///< of its root, where it keeps that: positions, velocities, accelerations, algorithmic ones
   // Of model exchange alone.
   mass,            ///< entry by entry, the lower triangle
   increment_rate,  ///< of x

@@ -7,9 +7,12 @@
 #include <map>
 
 #include "compile/element_name.h"
+#include "compile/signals/compile_signals.h"
 #include "dynamics/relative/assembly.h"
 #include "dynamics/relative/evaluation.h"
+#include "dynamics/relative/momentum_impl.h"
 #include "dynamics/relative/retract.h"
+#include "dynamics/relative/shift_impl.h"
 #include "dynamics/relative/workspace_impl.h"
 #include "dynamics/tangent_marks.h"
 #include "linalg/block_factor_impl.h"
@@ -19,6 +22,9 @@
 #include "portable/differentiate.h"
 #include "signals/blocks/table.h"
 #include "signals/sensors.h"
+#include "simulation/observe/run_channels.h"
+#include "simulation/step/flight_laws.h"
+#include "simulation/step/free_flight.h"
 #include "spec/output_kind.h"
 
 namespace mimbre::portable {
@@ -58,6 +64,8 @@ class Recorder {
     w_.signals.states = states_.data();
     out_->senses = !m.signals.sensors.empty();
     out_->blocks = m.signals.clock >= 0;
+    for (std::size_t k = 0; k < m.signals.blocks.size(); ++k)
+      if (is_delay(m.signals.blocks[k])) out_->delays.push_back(static_cast<int>(k));
     out_->remembers = !m.states.empty() || !m.signals.integrals.empty() || out_->blocks;
   }
 
@@ -70,8 +78,10 @@ class Recorder {
       if (i == Instant::step || out_->blocks) record_senses(i);
     record_forces();
     record_loads();
+    record_flights();
     record_outputs();
     record_samples();
+    record_events();
     record_matrix();
     record_exchange();
     record_steps();
@@ -104,12 +114,23 @@ class Recorder {
   }
 
  private:
+  static bool is_delay(const SignalsData::Block& b) { return block_info(b.type).name == "delay"; }
+
   /// The values of signals from here on, of an instant: what is held, and what time decides.
   void enter(Instant i) {
     const SignalsData& d = m_.signals;
     held_ = p_.inputs(Memory::held, static_cast<int>(d.start.size()));
     for (const SignalsData::Block& b : d.blocks)
       if (!(b.every > 0)) held_[static_cast<std::size_t>(b.held)] = i == Instant::fresh ? 0 : 1;
+    // What a delay finds in its list of points is one point, found by hand.
+    for (std::size_t k = 0; k < out_->delays.size(); ++k) {
+      const SignalsData::Block& b = d.blocks[static_cast<std::size_t>(out_->delays[k])];
+      T* list = held_.data() + b.held + 1 + b.inputs;
+      list[blocks::delay::count] = 1;
+      list[blocks::delay::newest] = list[blocks::delay::first_point] = 0;
+      list[blocks::delay::first_point + 1] = p_.input(Memory::delayed, static_cast<int>(k));
+      p_.input(Memory::delay_rate, static_cast<int>(k));
+    }
     SignalValues<T>& s = w_.signals;
     s.held = held_.data();
     s.step = i == Instant::step ? step_ : 0;
@@ -311,9 +332,18 @@ class Recorder {
     next_held_[static_cast<std::size_t>(d.clock) + 1] = 0;
     for (const SignalsData::Block& b : d.blocks)
       if (!(b.every > 0)) keep_block(b, i);
-    if (i == Instant::step) return;
-    for (std::size_t k = 0; k < next_held_.size(); ++k)
-      p_.store(Memory::next_held, static_cast<int>(k), next_held_[k]);
+    if (i != Instant::step) store_held(next_held_);
+  }
+  /// All but the lists of delays.
+  void store_held(const std::vector<T>& next) {
+    std::vector<char> skips(next.size());
+    for (const int k : out_->delays) {
+      const SignalsData::Block& b = m_.signals.blocks[static_cast<std::size_t>(k)];
+      std::fill_n(skips.begin() + b.held + 1 + b.inputs, b.states, 1);
+    }
+    p_.input(Memory::next_held, static_cast<int>(next.size()) - 1);
+    for (std::size_t k = 0; k < next.size(); ++k)
+      if (!skips[k]) p_.store(Memory::next_held, static_cast<int>(k), next[k]);
   }
 
   /// A block's states now: of sampled ones from the next instant on.
@@ -334,7 +364,7 @@ class Recorder {
       for (int k = 0; k < call.states; ++k) states[k] = now[static_cast<std::size_t>(k)];
     } else if (type == "hysteresis") {
       states[0] = blocks::hysteresis::decided<T>(call);
-    } else if (call.states > 0) {
+    } else if (call.states > 0 && type != "delay") {
       throw NotRecordable(fmt::format("has a block of type {}", type));
     }
   }
@@ -350,6 +380,11 @@ class Recorder {
     // Whether it has begun.
     to[0] = i == Instant::step ? T(1) : p_.input(Memory::held, b.held);
     for (int k = 0; k < b.inputs; ++k) to[1 + k] = in[static_cast<std::size_t>(k)];
+    // A relay that switches is a jump for what sees it.
+    if (block_info(b.type).relay && call.begun) {
+      T& jump = next_held_[static_cast<std::size_t>(m_.signals.clock) + 1];
+      jump = select(states[0] != call.before[0], T(1), jump);
+    }
   }
 
   /// The residual, with elements as in a step or at rest.
@@ -413,6 +448,78 @@ class Recorder {
     for (std::size_t k = 0; k < loads.size(); ++k) p_.store(Memory::loads, static_cast<int>(k), loads[k]);
   }
 
+  /// What FreeFlight does.
+  void record_flights() {
+    const std::vector<FreeGroup> groups = free_groups(m_);
+    if (groups.empty()) return;
+    constexpr int kept = 11, moved = 25;  // numbers of a group
+    const auto momentum_of = [&](const FreeGroup& group) {
+      return relative::momentum<T>(m_, w_, group.bodies, q_.data(), v_.data());
+    };
+    const auto is_loaded = [&](const FreeGroup& group) {
+      RecordedCondition any = false;
+      for (const int slot : group.loads)
+        any = any || slot >= m_.signals.first_moving || slots_[static_cast<std::size_t>(slot)].value != T(0);
+      return any;
+    };
+    const std::vector<T> at_start = p_.inputs(Memory::flight, kept * static_cast<int>(groups.size()));
+    const auto start_of = [&](std::size_t k) {
+      const T* from = at_start.data() + kept * k;
+      return flight::Start<T>{{from[0], from[1], from[2]},
+                              {from[3], from[4], from[5]},
+                              {from[6], from[7], from[8]},
+                              from[9],
+                              p_.input(Memory::flight_sum, static_cast<int>(k))};
+    };
+    int number = 0;
+    phase(number, "flight_begin", {origin_, motion_});
+    enter(Instant::step);
+    for (std::size_t k = 0; k < groups.size(); ++k) {
+      const BodyData& root = m_.bodies[groups[k].root];
+      out_->flights.push_back({root.q, root.v, groups[k].rigid});
+      const flight::Start<T> start = flight::start_of<T>(momentum_of(groups[k]));
+      int at = kept * static_cast<int>(k);
+      for (const Vec3<T>& x : {start.centre, start.velocity, start.angular})
+        for (int c = 0; c < 3; ++c) p_.store(Memory::flight, at++, x[c]);
+      p_.store(Memory::flight, at++, start.rotation);
+      p_.store(Memory::flight, at++, select(is_loaded(groups[k]), T(1), T(0)));
+    }
+    if (std::any_of(groups.begin(), groups.end(), [](const FreeGroup& group) { return !group.rigid; })) {
+      phase(number, "flight_rates", {});
+      std::vector<T> rates(v_.size());
+      flight::set_rates<T>(m_, start_.data(), q_.data(), v_.data(), step_, rates.data());
+      for (std::size_t k = 0; k < rates.size(); ++k)
+        p_.store(Memory::flight_rate, static_cast<int>(k), rates[k]);
+      phase(number, "flight_gain", {origin_, motion_});
+      for (std::size_t k = 0; k < groups.size(); ++k)
+        p_.store(Memory::flight_gain, static_cast<int>(k),
+                 groups[k].rigid ? T(0)
+                                 : T(0.5 * step_) * relative::centrifugal_power<T>(momentum_of(groups[k]),
+                                                                                   start_of(k).angular));
+    }
+    phase(number, "flight_end", {origin_, motion_});
+    std::vector<T> q = q_, v = v_, a = a_, algorithmic = p_.inputs(Memory::algorithmic, m_.velocities);
+    for (std::size_t k = 0; k < groups.size(); ++k) {
+      const RigidShiftOf<T> shift = flight::restoring_shift<T>(start_of(k), momentum_of(groups[k]),
+                                                               m_.gravity.cast<T>(), Vec3<T>::Zero(), step_);
+      relative::shift_root<T>(m_, w_, groups[k].root, shift,
+                              {q.data(), v.data(), a.data(), algorithmic.data()});
+      const RecordedCondition loaded = is_loaded(groups[k]) || at_start[kept * k + 10] > T(0.5);
+      const BodyData& root = m_.bodies[groups[k].root];
+      int at = moved * static_cast<int>(k);
+      const auto put = [&](const T& to, const T& from) {
+        p_.store(Memory::flown, at++, select(loaded, from, to));
+      };
+      for (int c = root.q; c < root.q + 7; ++c)
+        put(q[static_cast<std::size_t>(c)], q_[static_cast<std::size_t>(c)]);
+      for (const auto& [to, from] : {std::pair(&v, &v_), std::pair(&a, &a_)})
+        for (int c = root.v; c < root.v + 6; ++c)
+          put((*to)[static_cast<std::size_t>(c)], (*from)[static_cast<std::size_t>(c)]);
+      for (int c = root.v; c < root.v + 6; ++c)
+        put(algorithmic[static_cast<std::size_t>(c)], p_.input(Memory::algorithmic, c));
+    }
+  }
+
   void record_rest_elements() { rest_elements_ = w_.elements; }
 
   void keep_element(const ElementData& e, std::vector<T>& next) {
@@ -467,7 +574,7 @@ class Recorder {
       held[static_cast<std::size_t>(i.held)] = slots_[static_cast<std::size_t>(i.slot)].value;
       held[static_cast<std::size_t>(i.held) + 1] = time();
     }
-    for (std::size_t k = 0; k < held.size(); ++k) p_.store(Memory::next_held, static_cast<int>(k), held[k]);
+    store_held(held);
   }
 
   void record_matrix() {
@@ -861,6 +968,13 @@ class Recorder {
         add_output(signal.name, signal.unit.empty() ? "1" : signal.unit,
                    fmt::format("signal '{}'", signal.name), slots_[static_cast<std::size_t>(slot)].value);
     }
+    for (std::size_t k = 0; k < m_.spec().events.size(); ++k) {
+      std::vector<ChannelInfo> info;
+      add_event_info(m_.spec().events[k], info);
+      for (const auto& [channel, memory] :
+           {std::pair(&info[0], Memory::event_count), std::pair(&info[1], Memory::event_time)})
+        add_output(channel->name, channel->unit, channel->meaning, p_.input(memory, static_cast<int>(k)));
+    }
     for (std::size_t j = 0; j < m_.spec().joints.size() && m_.spec().outputs.empty(); ++j) {
       const spec::Joint& joint = m_.spec().joints[j];
       const JointInfo& info = joint_info(joint.type);
@@ -916,13 +1030,36 @@ class Recorder {
     std::array<T, most_block_outputs> out;
     const BlockCall<T> call = sampled_call<T>(d, b, held, std::numeric_limits<double>::quiet_NaN(),
                                               first ? 0 : s.every, !first, in.data(), out.data());
-    blocks::rows<T>[static_cast<std::size_t>(b.type)].output(call);
+    if (block_info(b.type).name == "noise")
+      out[0] = record_call({call.numbers, b.every, static_cast<int>(RecordedCallee::noise)}, time(), nullptr,
+                           1)[0];
+    else
+      blocks::rows<T>[static_cast<std::size_t>(b.type)].output(call);
     for (int k = 0; k < b.outputs; ++k) p_.store(Memory::sampled, at++, out[static_cast<std::size_t>(k)]);
-    std::vector<T> states(static_cast<std::size_t>(b.states));
+    std::vector<T> states(static_cast<std::size_t>(is_delay(b) ? 0 : b.states));
     keep_states(call, blocks::infos[static_cast<std::size_t>(b.type)]->name, states.data());
     p_.store(Memory::sampled, at++, T(1));
     for (int k = 0; k < b.inputs; ++k) p_.store(Memory::sampled, at++, in[static_cast<std::size_t>(k)]);
     for (const T& x : states) p_.store(Memory::sampled, at++, x);
+  }
+
+  /// Their values, and what they set.
+  void record_events() {
+    if (m_.spec().events.empty()) return;
+    int number = 0, at = 0;
+    phase(number, "events", {origin_, motion_, rest_});
+    enter(Instant::rest);
+    read_slots();
+    try {
+      for (std::size_t k = 0; k < m_.spec().events.size(); ++k)
+        p_.store(Memory::event_value, static_cast<int>(k), seen(seen_of(m_, m_.spec().events[k].when)));
+      for (const spec::Event& e : m_.spec().events)
+        for (const spec::Event::Set& set : e.sets)
+          p_.store(Memory::event_set, at++, seen(seen_of(m_, set.value)));
+    } catch (const NotRecordable& kind) {
+      throw NotRecordable(
+          fmt::format("has an event that sees a {}, which the code does not have", kind.what()));
+    }
   }
 
   struct Slot {

@@ -22,6 +22,12 @@ struct MarkedElement {
   double small = 0;            ///< changes of its mark that ask for a new matrix
 };
 
+/// The floating joint of what flies freely: where its coordinates begin.
+struct RecordedFlight {
+  int q, v;
+  bool rigid;  ///< it does not change its shape
+};
+
 /// A continuous state besides positions and velocities: number `at` of what signals remember (held), or of
 /// what force elements remember.
 struct RememberedState {
@@ -46,7 +52,9 @@ struct RecordedModel {
   bool rests = false;                   ///< laws at rest are others than in a step
   bool jumps = false;                   ///< laws remember signals where these jump
   bool loads = false;                   ///< of inertia that stiffen bodies
-  std::vector<int> circle;              ///< slots of what blocks make that close loops of signals
+  std::vector<RecordedFlight> flights;
+  std::vector<int> delays;  ///< blocks whose lists are kept by hand
+  std::vector<int> circle;  ///< slots of what blocks make that close loops of signals
 };
 
 /// Runs the kernels of a step of `step` seconds once. `varies`: also how outputs vary with inputs and the

@@ -16,6 +16,7 @@ Bend<Recorded> bend(const RoadData& road, const Recorded& x, const Recorded& y);
 #include "forces/surfaces/mesh.h"
 #include "forces/user.h"
 #include "math/space_curve.h"
+#include "signals/blocks/table_2d.h"
 #include "signals/values.h"
 
 /// What kernels do with the values of other scalars, for recorded ones: before the kernels are instantiated.
@@ -37,6 +38,15 @@ inline void user_law<Recorded>(const LawContext<Recorded>&, ElementState<Recorde
   throw NotRecordable("has a law of the user's own");
 }
 }  // namespace forces
+
+namespace blocks::table_2d {
+template <>
+inline std::array<Recorded, 3> look_up<Recorded>(const BlockCall<Recorded>& c) {
+  const std::vector<Recorded> parts =
+      record_call({c.numbers, 0, static_cast<int>(RecordedCallee::table_of_two)}, c.in[0], &c.in[1], 3);
+  return {parts[0], parts[1], parts[2]};
+}
+}  // namespace blocks::table_2d
 
 namespace surfaces {
 template <>

@@ -8,7 +8,6 @@
 #include "forces/surfaces/table.h"
 #include "portable/continuous_rates.h"
 #include "signals/blocks/table.h"
-#include "simulation/step/free_flight.h"
 
 namespace mimbre::portable {
 namespace {
@@ -111,11 +110,6 @@ class Refusals {
                         b.name));
         continue;
       }
-      if (b.type == "delay" || (b.type == "hysteresis" && !(b.every > 0)) || b.type == "noise")
-        add(b.mark, fmt::format("signal '{}' is of a block {}, of which code is not made", b.name, b.type));
-      if (b.type == "table_2d")
-        add(b.mark,
-            fmt::format("signal '{}' is of a table of two variables, of which code is not made", b.name));
     }
   }
 
@@ -136,17 +130,6 @@ std::vector<Diagnostic> refusals(const Compiled& m, const Method& method) {
   if (method.integrator != Rule::generalized_alpha && method.integrator != Rule::hht &&
       method.integrator != Rule::newmark)
     all.add("code is made of the integrators generalized_alpha, hht and newmark only");
-  for (const spec::Event& e : m.spec().events)
-    all.add(e.mark,
-            fmt::format("event '{}' would end steps early, which code with a fixed step does not", e.name));
-  for (const FreeGroup& group : free_groups(m)) {
-    const BodyData& root = m.bodies[static_cast<std::size_t>(group.root)];
-    const spec::Body& body = m.spec().bodies[static_cast<std::size_t>(root.spec)];
-    all.add(body.mark,
-            fmt::format("body '{}' flies freely, whose laws of conservation code does not keep; run it "
-                        "with the library",
-                        body.name));
-  }
   return all.all();
 }
 
@@ -196,9 +179,12 @@ std::vector<Diagnostic> exchange_refusals(const Compiled& m, const Method& metho
                         of.name, instead));
   }
   for (const spec::Block& b : m.spec().blocks)
-    if (b.type == "rate_limit")
-      all.add(b.mark, fmt::format("signal '{}' is a block rate_limit, which switches between steps; {}",
-                                  b.name, instead));
+    if (b.type == "rate_limit" || (b.type == "hysteresis" && !(b.every > 0)))
+      all.add(b.mark, fmt::format("signal '{}' is a block {}, which switches between steps; {}", b.name,
+                                  b.type, instead));
+    else if (b.type == "delay")
+      all.add(b.mark,
+              fmt::format("signal '{}' is a delay, which is no differential equation; {}", b.name, instead));
   return all.all();
 }
 

@@ -462,4 +462,46 @@ static void @_touch(const @_mesh *m, double x, double y, double z, double *out) 
 }
 )c";
 
+const char* const table_of_two_text = R"c(
+/* The last line that has another behind it and is not after x, or the first. */
+static int @_cell(const double *lines, int count, double x) {
+  int k = 0;
+  while (k + 2 < count && x >= lines[k + 1]) ++k;
+  return k;
+}
+/* Bilinear, with the slopes: lines in x, in y, and values by rows of x. */
+static void @_table_of_two(const double *x, int nx, int ny, double at_x, double at_y, double *out) {
+  const double *const y = x + nx;
+  const int i = @_cell(x, nx, at_x), j = @_cell(y, ny, at_y);
+  const double *const low = y + ny + (long)i*ny + j, *const high = low + ny;
+  const double width = x[i + 1] - x[i], height = y[j + 1] - y[j];
+  const double s = (at_x - x[i])/width, t = (at_y - y[j])/height;
+  const double at_low = low[0] + t*(low[1] - low[0]), at_high = high[0] + t*(high[1] - high[0]);
+  out[0] = at_low + s*(at_high - at_low);
+  out[1] = (at_high - at_low)/width;
+  out[2] = ((1.0 - s)*(low[1] - low[0]) + s*(high[1] - high[0]))/height;
+}
+)c";
+
+const char* const noise_text = R"c(
+static unsigned long long @_mixed(unsigned long long x) {
+  x = (x ^ (x >> 30))*0xbf58476d1ce4e5b9ull;
+  x = (x ^ (x >> 27))*0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+/* In (0, 1): number `place` of SplitMix64's sequence. */
+static double @_uniform(unsigned long long seed, unsigned long long place) {
+  const unsigned long long golden = 0x9e3779b97f4a7c15ull;
+  const unsigned long long bits = @_mixed(@_mixed(seed + golden) + (place + 1ull)*golden);
+  return ((double)(bits >> 11) + 0.5)/9007199254740992.0;
+}
+/* Of mean 0 and deviation 1, uniform or normal (Box and Muller). */
+static double @_noise(unsigned long long seed, int uniform, double instant) {
+  const unsigned long long place = 2ull*(unsigned long long)(long long)instant;
+  const double a = @_uniform(seed, place), b = @_uniform(seed, place + 1ull);
+  if (uniform) return sqrt(3.0)*(2.0*a - 1.0);
+  return sqrt(-2.0*log(a))*cos(6.283185307179586*b);
+}
+)c";
+
 }  // namespace mimbre::portable

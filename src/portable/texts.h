@@ -4,10 +4,12 @@
 /// tables_text.cpp, integrator_text.cpp, exchange_text.cpp.
 namespace mimbre::portable {
 
-extern const char* const functions_text;   ///< functions of one variable
-extern const char* const formulas_text;    ///< integrals of formulas
-extern const char* const roads_text;       ///< heights over a place
-extern const char* const meshes_text;      ///< nearest points on triangles
+extern const char* const functions_text;  ///< functions of one variable
+extern const char* const formulas_text;   ///< integrals of formulas
+extern const char* const roads_text;      ///< heights over a place
+extern const char* const meshes_text;     ///< nearest points on triangles
+extern const char* const table_of_two_text;
+extern const char* const noise_text;       ///< random numbers
 extern const char* const linear_text;      ///< factorisation and solution
 extern const char* const finite_text;      ///< whether numbers are finite
 extern const char* const integrator_text;  ///< a step

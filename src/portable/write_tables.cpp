@@ -5,6 +5,8 @@
 #include "compile/compiled.h"
 #include "portable/program.h"
 #include "portable/texts.h"
+#include "signals/blocks/noise.h"
+#include "signals/blocks/table_2d.h"
 
 namespace mimbre::portable {
 namespace {
@@ -128,6 +130,14 @@ class Callees {
         case RecordedCallee::road:
           write_road(*static_cast<const RoadData*>(all[k].data), all[k].number, call, at);
           break;
+        case RecordedCallee::noise:
+          noise_ = true;
+          write_noise(static_cast<const double*>(all[k].data), all[k].number, call);
+          break;
+        case RecordedCallee::table_of_two:
+          tables_ = true;
+          write_table_of_two(static_cast<const double*>(all[k].data), call, at);
+          break;
         case RecordedCallee::mesh:
           meshes_ = true;
           calls_ += mesh_tables(name_, at, *static_cast<const TriangleMesh*>(all[k].data)) +
@@ -150,6 +160,8 @@ class Callees {
     if (formulas_) out += named(formulas_text, name_);
     if (grids_ || along_) out += named(roads_text, name_);
     if (meshes_) out += named(meshes_text, name_);
+    if (tables_) out += named(table_of_two_text, name_);
+    if (noise_) out += named(noise_text, name_);
     return out + "\n" + calls_;
   }
 
@@ -188,9 +200,31 @@ class Callees {
     calls_ += friction_text(road) + "  (void)y;\n}\n\n";
   }
 
+  void write_table_of_two(const double* numbers, const std::string& call, const std::string& at) {
+    namespace table_2d = blocks::table_2d;
+    const auto x = static_cast<std::ptrdiff_t>(numbers[table_2d::lines_x]),
+               y = static_cast<std::ptrdiff_t>(numbers[table_2d::lines_y]);
+    const double* first = numbers + table_2d::first_line;
+    calls_ += table(at, std::vector<double>(first, first + x + y + x * y)) +
+              fmt::format(
+                  "static void {}(double x, double y, double *out) {{\n"
+                  "  {}_table_of_two({}, {}, {}, x, y, out);\n}}\n\n",
+                  call, name_, at, x, y);
+  }
+
+  void write_noise(const double* numbers, double every, const std::string& call) {
+    namespace noise = blocks::noise;
+    const auto seed = static_cast<std::uint64_t>(numbers[noise::seed]);
+    calls_ += fmt::format(
+        "static void {0}(double x, double *out) {{\n"
+        "  out[0] = {1} + {2}*{3}_noise({4}ull, {5}, floor(x/{6} + 1e-6));\n}}\n\n",
+        call, literal(numbers[noise::mean]), literal(numbers[noise::deviation]), name_, seed,
+        numbers[noise::uniform] > 0.5 ? 1 : 0, literal(every));
+  }
+
   const std::string name_;
   bool functions_ = false, integrals_ = false, profiles_ = false, formulas_ = false, grids_ = false,
-       along_ = false, meshes_ = false;
+       along_ = false, meshes_ = false, noise_ = false, tables_ = false;
   std::string calls_;
 };
 

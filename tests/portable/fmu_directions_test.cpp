@@ -45,6 +45,10 @@ signals:
   gust: {transfer_function: wanted + wind, numerator: [1, 2], denominator: [0.02, 1]}
   in_time: "exp(-t)*gain + wanted^2*t^2"
   airy: "wind*gain"
+  map: {table: [angle, wanted*gain], x: [-1, 0, 1], y: [-9, 0, 9], values: [[0, 1, 0], [1, 0, 2], [0.5, 0, 1]]}
+  late: {delay: angle + 0.1*wanted, time: 0.011}
+  soon: {delay: gain + 0.2*rate, time: 0.7 ms}
+  trailing: "late*gain + sin(soon)"
 actuators:
   motor: {joint: crank, torque: "servo + 0.1*gust - 0.2*rate"}
 outputs:
@@ -176,7 +180,11 @@ TEST_P(FmuDirections, AreThoseOfTheFormulas) {
   const auto ref = [&](const char* name) { return reference(of.fmu(), name); };
   FmuInstance f(of);
   f.start();
-  for (int k = 0; k < 20; ++k) EXPECT_EQ(f.step(k * of.fmu().code.step, of.fmu().code.step), fmi_ok);
+  std::vector<double> angles;
+  for (int k = 0; k < 20; ++k) {
+    angles.push_back(f.get(ref("angle")));
+    EXPECT_EQ(f.step(k * of.fmu().code.step, of.fmu().code.step), fmi_ok);
+  }
   const double angle = f.get(ref("angle")), rate = f.get(ref("rate")), wanted = 0.2, gain = 1.5, k = 30,
                time = 20 * of.fmu().code.step;
   std::vector<double> found(4);
@@ -189,6 +197,9 @@ TEST_P(FmuDirections, AreThoseOfTheFormulas) {
   EXPECT_EQ(f.vary({ref("in_time"), ref("mixed")}, {0}, {1}, found.data()), fmi_ok);
   EXPECT_NEAR(found[0], -std::exp(-time) * gain + 2 * wanted * wanted * time, 1e-12);
   EXPECT_EQ(found[1], 0);  // the motion is held
+  // On the line between what was five and a half steps before, and nothing of what is set now.
+  EXPECT_EQ(f.vary({ref("late"), ref("trailing")}, {0, ref("wanted")}, {1, 1}, found.data()), fmi_ok);
+  EXPECT_NEAR(found[0], (angles[15] - angles[14]) / of.fmu().code.step, 1e-9);
   EXPECT_EQ(f.vary({ref("mixed")}, {ref("gain"), ref("gain"), ref("k")}, {1, 2, 0.5}, found.data()), fmi_ok);
   EXPECT_NEAR(found[0], 3 * 2 * gain * std::sin(angle + wanted) + 0.5 * rate * wanted, 1e-9);
   // What is reached in a straight line does not act at once.

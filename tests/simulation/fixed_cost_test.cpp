@@ -43,6 +43,43 @@ simulation: {step: 0.002, end: 2}
 )");
 }
 
+/// At an event the step is not made again: it happens at the end of the step that crosses.
+TEST(FixedCost, EventsHappenAtTheEndOfTheStep) {
+  const auto falls = model_of(R"(
+bodies: {ball: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {way: {type: prismatic, between: [ground, ball], at: [0, 0, 0], axis: [0, 0, 1]}}
+inputs: {lift: 0}
+actuators: {engine: {joint: way, force: lift}}
+outputs: [{name: z, joint: way}, {name: vz, joint_velocity: way}]
+events:
+  low: {when: z, crosses: -1, direction: falling, set: {lift: 19.62}}
+  up: {when: z, crosses: -1, direction: rising, stop: true}
+simulation: {step: 0.01, end: 5}
+)");
+  for (const Formulation formulation : {Formulation::relative, Formulation::natural}) {
+    Simulation s(falls, fixed(6, formulation));
+    EXPECT_EQ(s.most_attempts(), 1);
+    while (!s.stopped() && s.time() < 5) {
+      const StepReport report = s.step();
+      ASSERT_TRUE(report.ok());
+      EXPECT_LE(report.iterations, 6);
+      EXPECT_NEAR(std::remainder(s.time(), 0.01), 0, 1e-12);
+    }
+    // √(2/g) = 0.4515 s: it brakes with g from the end of that step on or one later, and turns after as long
+    // again.
+    ASSERT_EQ(s.events()[0].count, 1);
+    EXPECT_NEAR(s.events()[0].first, 0.46, 1e-12);
+    ASSERT_TRUE(s.stopped());
+    const auto up = [](double on) { return 2 * on + std::sqrt((9.81 * on * on - 1) * 2 / 9.81); };
+    EXPECT_GE(s.time(), up(0.46));
+    EXPECT_LE(s.time(), up(0.47) + 0.01);
+    // The next one is a whole step.
+    const double before = s.time();
+    ASSERT_TRUE(s.step().ok());
+    EXPECT_NEAR(s.time(), before + 0.01, 1e-12);
+  }
+}
+
 TEST(FixedCost, NeverTakesMoreIterationsThanAllowed) {
   const auto drops = hammers();
   for (const Formulation formulation : {Formulation::relative, Formulation::natural})

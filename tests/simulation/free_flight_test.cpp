@@ -216,7 +216,7 @@ TEST(FreeFlight, PowerOfTheChangeOfShape) {
       VectorXd q(m.positions);
       system.retract(mechanism.q.data(), VectorXd(t * v).data(), q.data());
       system.kinematics(0, q.data(), v.data(), rest.data());
-      return relative::momentum(m, system.workspace(), bodies, q.data(), v.data());
+      return relative::momentum<double>(m, system.workspace(), bodies, q.data(), v.data());
     };
     const relative::Momentum now = at(0);
     const Vec3d other(0.3, -0.2, 0.5);
@@ -227,7 +227,7 @@ TEST(FreeFlight, PowerOfTheChangeOfShape) {
     const double own = (rotation(h, now.angular) - rotation(-h, now.angular)) / (2 * h);
     EXPECT_NEAR(relative::centrifugal_power(now, now.angular), own, 1e-6 * (1 + std::abs(own))) << seed;
     // As seen by who turns with what is added to the motion to give it `other`.
-    const Vec3d added = relative::mean_spin(now.inertia, other - now.angular);
+    const Vec3d added = relative::mean_spin<double>(now.inertia, other - now.angular);
     const double with_added = (rotation(h, rotation_exp<double>(Vec3d(-h * added)) * other) -
                                rotation(-h, rotation_exp<double>(Vec3d(h * added)) * other)) /
                               (2 * h);

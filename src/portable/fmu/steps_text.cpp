@@ -183,12 +183,14 @@ static int @_fmu_step_failed(@_fmu *f, int status) {
   p->mode = @_FMU_STOPPED;
   p->between = 0;
   p->now = p->begin + p->steps*@_FMU_STEP;
-#if @_FMU_LIBRARY
-  p->ended = status == @_ENDED;
+  p->ended = status == @_FMU_ENDED;
   if (p->ended) p->now = p->begin + (@_time(&f->model) - p->first);
+#if @_FMU_LIBRARY
   return @_fmu_tell(f, @_FMU_DISCARD, @_message(&f->model));
 #else
   switch (status) {
+    case @_FMU_ENDED:
+      return @_fmu_tell(f, @_FMU_DISCARD, "an event of the model ends the run");
     case @_FMU_NOT_FINITE:
       return @_fmu_tell(f, @_FMU_DISCARD, "a step of the model is not finite");
     case @_FMU_SINGULAR:
@@ -201,18 +203,16 @@ static int @_fmu_step_failed(@_fmu *f, int status) {
 #endif
 }
 
-#if @_FMU_LIBRARY
 /* In the step that an event ends: on the straight line to it, or to the end of the run. */
 static int @_fmu_go_to_end(@_fmu *f, double end) {
   @_fmu_progress *const p = &f->progress;
   const double from = p->begin + p->steps*@_FMU_STEP;
-  if (!(end < p->ends)) return @_fmu_step_failed(f, @_ENDED);
+  if (!(end < p->ends)) return @_fmu_step_failed(f, @_FMU_ENDED);
   p->between = 1;
   p->weight = (end - from)/(p->ends - from);
   p->now = end;
   return @_FMU_OK;
 }
-#endif
 
 /* To from + length: steps of the model until it is there or behind, then between the last two. */
 static int @_fmu_do_step(@_fmu *f, double from, double length) {
@@ -233,22 +233,18 @@ static int @_fmu_do_step(@_fmu *f, double from, double length) {
   whole = fabs(counted - nearest) <= 1e-6 + 4.0*DBL_EPSILON*(fabs(p->begin) + fabs(end))/@_FMU_STEP;
   target = whole ? nearest : ceil(counted);
   if (!(target - p->steps <= 1e9)) return @_fmu_wrong(f, "the communication step has more than 1e9 steps of the model");
-#if @_FMU_LIBRARY
   if (p->ended == 2) return @_fmu_go_to_end(f, end);
-#endif
   if (p->steps < target) p->iterations = 0;
   while (p->steps < target) {
     int status;
     if (!whole && p->steps + 1.0 >= target) @_fmu_outputs(f, p->before);
     status = @_step(&f->model);
-#if @_FMU_LIBRARY
-    if (status == @_ENDED && !whole && p->steps + 1.0 >= target) {
+    if (status == @_FMU_ENDED && !whole && p->steps + 1.0 >= target) {
       p->ended = 2;
       p->ends = p->begin + (@_time(&f->model) - p->first);
       @_fmu_outputs(f, p->after);
       return @_fmu_go_to_end(f, end);
     }
-#endif
     if (status > @_FMU_UNCONVERGED) return @_fmu_step_failed(f, status);
     p->steps += 1.0;
     p->iterations += f->model.iterations;

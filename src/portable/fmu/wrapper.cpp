@@ -87,6 +87,7 @@ std::string fmu_wrapper(const FmuCode& fmu) {
   } else {
     define.text("STEP", upper + "_STEP");
     define.text("UNCONVERGED", (fmu.with_library ? name : upper) + "_UNCONVERGED");
+    define.text("ENDED", (fmu.with_library ? name : upper) + "_ENDED");
   }
   if (fmu.version == 2) define.text("KIND", exchange ? "fmi2ModelExchange" : "fmi2CoSimulation");
   if (!fmu.with_library) define.of_header(name, {"NOT_FINITE", "SINGULAR", "DRIFTED"});

@@ -41,7 +41,7 @@ JointCoordinates ChannelView::coordinates(int joint) const {
 
 MassMotion ChannelView::mass_motion() const {
   const relative::Momentum p =
-      relative::momentum(model, system_.workspace(), bodies_, state_.q.data(), state_.v.data());
+      relative::momentum<double>(model, system_.workspace(), bodies_, state_.q.data(), state_.v.data());
   return {p.centre, p.linear, p.angular};
 }
 

@@ -24,7 +24,7 @@ EnergyKeeper::EnergyKeeper(const Compiled& model, const std::vector<FreeGroup>& 
 
 /// The turn at a share λ: θ = −λ g / 2T, g the gain of energy per angle, T the energy of rotation.
 Mat3d EnergyKeeper::turn_of(std::size_t group, double share) const {
-  const Rotation& r = rotations_[group];
+  const flight::Rotation<double>& r = rotations_[group];
   if (groups_[group].rigid || !(r.energy > 0)) return Mat3d::Identity();
   return rotation_exp<double>(Vec3d(-share / (2 * r.energy) * r.gain));
 }
@@ -35,7 +35,8 @@ double EnergyKeeper::gain(double share) const {
   double sum = (factor * factor - 1) * inner_;
   for (std::size_t k = 0; k < groups_.size(); ++k) {
     const Mat3d turn = turn_of(k, share);
-    sum += rotation_of(turn * momenta_[k].inertia * turn.transpose(), momenta_[k].angular).energy -
+    sum += flight::rotation_of<double>(turn * momenta_[k].inertia * turn.transpose(), momenta_[k].angular)
+               .energy -
            rotations_[k].energy;
   }
   return sum;
@@ -51,17 +52,17 @@ void EnergyKeeper::end(relative::RelativeSystem& observer, natural::NaturalSyste
   // With E the energies: minimise Σ E (relative change)², subject to the change of energy.
   double mean = 0, turning = 0;
   for (std::size_t k = 0; k < groups_.size(); ++k) {
-    momenta_[k] = relative::momentum(model_, work, groups_[k].bodies, s.q.data(), s.v.data());
+    momenta_[k] = relative::momentum<double>(model_, work, groups_[k].bodies, s.q.data(), s.v.data());
     const relative::Momentum& p = momenta_[k];
-    rotations_[k] = rotation_of(p.inertia, p.angular);
+    rotations_[k] = flight::rotation_of<double>(p.inertia, p.angular);
     mean += 0.5 * p.linear.dot(p.velocity()) + rotations_[k].energy;
     if (!groups_[k].rigid && rotations_[k].energy > 0)
       turning += rotations_[k].gain.squaredNorm() / (2 * rotations_[k].energy);
   }
   for (std::size_t k = 0; k < sets_.size(); ++k) {
-    set_momenta_[k] = relative::momentum(model_, work, sets_[k].bodies, s.q.data(), s.v.data());
+    set_momenta_[k] = relative::momentum<double>(model_, work, sets_[k].bodies, s.q.data(), s.v.data());
     const relative::Momentum& p = set_momenta_[k];
-    mean += 0.5 * p.linear.dot(p.velocity()) + rotation_of(p.inertia, p.angular).energy;
+    mean += 0.5 * p.linear.dot(p.velocity()) + flight::rotation_of<double>(p.inertia, p.angular).energy;
   }
   inner_ = model_.drives.empty() ? std::max(0.0, kinetic - mean) : 0;
   const double slope = inner_ + turning;
@@ -77,8 +78,8 @@ void EnergyKeeper::end(relative::RelativeSystem& observer, natural::NaturalSyste
     shift.centre = p.centre;
     shift.velocity = p.velocity();
     shift.turn = turn_of(k, share);
-    shift.spin = relative::mean_spin(shift.turn * p.inertia * shift.turn.transpose(),
-                                     p.angular - shift.turn * p.angular);
+    shift.spin = relative::mean_spin<double>(shift.turn * p.inertia * shift.turn.transpose(),
+                                             p.angular - shift.turn * p.angular);
     shift_group(observer, natural, groups_[k], shift, state);
   }
 }
@@ -88,7 +89,7 @@ void EnergyKeeper::scale(relative::RelativeSystem& observer, natural::NaturalSys
                          State& state) {
   state.v *= 1 + by;
   const auto leave_mean = [&](const relative::Momentum& p, const std::vector<char>& has, const auto& roots) {
-    const Vec3d spin = relative::mean_spin(p.inertia, p.angular);
+    const Vec3d spin = relative::mean_spin<double>(p.inertia, p.angular);
     const Vec3d velocity = p.velocity() - spin.cross(p.centre);  // at the common point
     if (natural)
       natural->add_rigid_motion(has, -by, velocity, spin, observer.workspace().origin, state);

@@ -32,7 +32,7 @@ class EnergyKeeper {
   const std::vector<FloatingSet> sets_;
   EnergyMeter meter_;
   std::vector<relative::Momentum> momenta_, set_momenta_;
-  std::vector<Rotation> rotations_;
+  std::vector<flight::Rotation<double>> rotations_;
   double inner_ = 0;  ///< kinetic energy of what moves relative to the mean motion, J
 };
 

@@ -15,12 +15,17 @@ constexpr double event_resolution(double step, double time) {
   return std::max(1e-7 * step, 4 * std::numeric_limits<double>::epsilon() * time);
 }
 
+/// How often at one moment events make others happen.
+struct EventChain {
+  static constexpr int longest = 8;
+};
+
 /// Makes a step in which events may happen: where one does, a part of the step ends there, and what follows
 /// from it acts from there on. Whether one happened shows at the end of a part, by the side of zero that its
 /// value is on then. When, is found by making that part again, shorter, until the crossing is known to
 /// event_resolution(): regula falsi with the Illinois rule (Dowell, Jarratt, BIT 11, 1971) on the
 /// integrator's own solution, not on an interpolation of it. Events in so many parts that a step should not
-/// have them happen at its end.
+/// have them happen at its end. With a fixed cost all happen at the end of the step in which they cross.
 ///
 /// The host makes the state visible: `see()` evaluates it for the events; `look_anew()`, it is another one;
 /// `take_jumps()`, inputs have been set; `watch()`, a part is accepted; `move_time(t)`, the state counts as
@@ -35,6 +40,14 @@ class EventStep {
         steps_(steps),
         step_(step),
         resolution_(event_resolution(step, mechanism.state.time)) {}
+
+  /// One step of this length, and what has happened by its end.
+  StepReport whole(double length) {
+    if (settle() || !make(length)) return report_;
+    host_.watch();
+    settle();
+    return report_;
+  }
 
   /// To `end`, or to where one stops the run.
   StepReport to(double end) {
@@ -65,10 +78,9 @@ class EventStep {
 
   /// Lets happen what has crossed, and what that makes cross at the same moment. True where it stops the run.
   bool settle() {
-    constexpr int longest_chain = 8;
     host_.take_jumps();
     host_.see([&](auto&, auto& system, auto&) { events_.see_relays(system); });
-    for (int k = 0; look() && k < longest_chain; ++k) {
+    for (int k = 0; look() && k < EventChain::longest; ++k) {
       if (host_.see([&](auto&... seen) { return events_.happen(seen..., step_, mechanism_.state); }))
         stopped_ = true;
       mechanism_.enter(0);

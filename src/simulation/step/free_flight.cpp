@@ -5,30 +5,10 @@
 #include <utility>
 
 #include "dynamics/relative/shift.h"
-#include "joints/joint_kind.h"
-#include "math/elementary.h"
 #include "spec/force_law.h"
 
 namespace mimbre {
 namespace {
-
-/// Within this angle of steady rotation about a principal axis energy is stationary: round-off in it would
-/// show more than the error of a step.
-constexpr double steady = 1e-4;
-
-/// The turn that brings the energy of rotation back to `energy`.
-Mat3d restoring_turn(const Mat3d& inertia, const Vec3d& angular, double energy) {
-  Mat3d turn = Mat3d::Identity();
-  for (int round = 0; round < 2; ++round) {
-    const Rotation r = rotation_of(turn * inertia * turn.transpose(), angular);
-    const double slope = r.gain.squaredNorm();
-    if (!(slope > steady * steady * r.energy * r.energy)) break;
-    const Vec3d theta = (energy - r.energy) / slope * r.gain;
-    if (!(theta.squaredNorm() < 0.01)) break;  // not the error of a step
-    turn = rotation_exp<double>(theta) * turn;
-  }
-  return turn;
-}
 
 /// Equations without some of inertia's terms keep no momentum, so that there is none to restore.
 bool conserves(const Compiled& m, const std::vector<int>& bodies) {
@@ -172,34 +152,22 @@ void FreeFlight::begin(relative::RelativeSystem& observer, const State& s) {
     Start& start = starts_[k];
     start.loaded = loaded(groups_[k], observer.workspace().signals);
     if (start.loaded) continue;
-    const relative::Momentum p =
-        relative::momentum(model_, observer.workspace(), groups_[k].bodies, s.q.data(), s.v.data());
-    start.centre = p.centre;
-    start.velocity = p.velocity();
-    start.angular = p.angular;
-    start.rotation = rotation_of(p.inertia, p.angular).energy;
+    static_cast<flight::Start<double>&>(start) = flight::start_of<double>(
+        relative::momentum<double>(model_, observer.workspace(), groups_[k].bodies, s.q.data(), s.v.data()));
   }
   if (changes_shape_) start_q_ = s.q;
 }
 
 void FreeFlight::end(relative::RelativeSystem& observer, natural::NaturalSystem* natural, const State& s,
                      double h, State& state) {
-  const Vec3d gained = h * model_.gravity;
   if (changes_shape_) find_gains(observer, s, h);
   for (std::size_t k = 0; k < groups_.size(); ++k) {
     const Start& start = starts_[k];
     if (start.loaded || loaded(groups_[k], observer.workspace().signals)) continue;
     const relative::Momentum p =
-        relative::momentum(model_, observer.workspace(), groups_[k].bodies, s.q.data(), s.v.data());
-    RigidShift shift;
-    shift.centre = p.centre;
-    shift.velocity = p.velocity();
-    shift.rate = start.velocity + gained - shift.velocity;
-    shift.move = start.centre - p.centre + (origin_ - observer.workspace().origin) +
-                 h * (start.velocity + 0.5 * gained);
-    shift.turn = restoring_turn(p.inertia, start.angular, start.rotation + start.gain);
-    shift.spin = relative::mean_spin(shift.turn * p.inertia * shift.turn.transpose(),
-                                     start.angular - shift.turn * p.angular);
+        relative::momentum<double>(model_, observer.workspace(), groups_[k].bodies, s.q.data(), s.v.data());
+    const RigidShift shift =
+        flight::restoring_shift<double>(start, p, model_.gravity, origin_ - observer.workspace().origin, h);
     shift_group(observer, natural, groups_[k], shift, state);
   }
 }
@@ -208,7 +176,7 @@ void FreeFlight::end(relative::RelativeSystem& observer, natural::NaturalSystem*
 /// the rates that make it, the mean of that at both ends. So nothing is left over when a shape returns, as it
 /// were if the velocities were taken, which are those of the positions but for the rule's error.
 void FreeFlight::find_gains(relative::RelativeSystem& observer, const State& s, double h) {
-  set_rates(s, h);
+  flight::set_rates<double>(model_, start_q_.data(), s.q.data(), s.v.data(), h, rates_.data());
   for (Start& start : starts_) start.gain = 0;
   const auto add_at = [&](double time, const double* q) {
     observer.kinematics(time, q, rates_.data(), s.a.data());
@@ -216,8 +184,8 @@ void FreeFlight::find_gains(relative::RelativeSystem& observer, const State& s, 
       if (!groups_[k].rigid && !starts_[k].loaded)
         starts_[k].gain +=
             0.5 * h *
-            relative::centrifugal_power(
-                relative::momentum(model_, observer.workspace(), groups_[k].bodies, q, rates_.data()),
+            relative::centrifugal_power<double>(
+                relative::momentum<double>(model_, observer.workspace(), groups_[k].bodies, q, rates_.data()),
                 starts_[k].angular);
   };
   add_at(s.time - h, start_q_.data());
@@ -225,43 +193,13 @@ void FreeFlight::find_gains(relative::RelativeSystem& observer, const State& s, 
   observer.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
 }
 
-/// Constant rates of the coordinates by which the step came to s.q; the roots', which no shape depends on,
-/// are their velocities.
-void FreeFlight::set_rates(const State& s, double h) {
-  rates_ = s.v;
-  for (const BodyData& b : model_.bodies) {
-    const JointInfo& info = joint_info(b.joint);
-    const double *from = start_q_.data() + b.q, *to = s.q.data() + b.q;
-    double* out = rates_.data() + b.v;
-    if (b.parent >= 0) {
-      const int plain = info.quaternion < 0 ? info.velocities : info.rotation;
-      for (int k = 0; k < plain; ++k) out[k] = (to[k] - from[k]) / h;
-      if (info.quaternion >= 0) {
-        // The conjugate of p times r.
-        const double *p = from + info.quaternion, *r = to + info.quaternion;
-        const Vec3d pv(p[1], p[2], p[3]), rv(r[1], r[2], r[3]);
-        const Vec3d axis = p[0] * rv - r[0] * pv - pv.cross(rv);
-        const double sine = axis.norm(), cosine = p[0] * r[0] + pv.dot(rv);
-        Eigen::Map<Vec3d>(out + info.rotation) =
-            (sine > 0 ? 2 * mimbre::atan2(sine, cosine) / sine : 2.0) / h * axis;
-      }
-    }
-    for (int k = 0; k < b.modes; ++k)
-      out[info.velocities + k] = (to[info.positions + k] - from[info.positions + k]) / h;
-  }
-}
-
-Rotation rotation_of(const Mat3d& inertia, const Vec3d& angular) {
-  const Vec3d spin = relative::mean_spin(inertia, angular);
-  return {0.5 * angular.dot(spin), spin.cross(angular)};
-}
-
 void shift_group(relative::RelativeSystem& observer, natural::NaturalSystem* natural, const FreeGroup& group,
                  const RigidShift& shift, State& state) {
   if (natural)
     natural->shift(group.has, shift, observer.workspace().origin, state);
   else
-    relative::shift_root(observer.model(), observer.workspace(), group.root, shift, state);
+    relative::shift_root<double>(observer.model(), observer.workspace(), group.root, shift,
+                                 {state.q.data(), state.v.data(), state.a.data(), state.algorithmic.data()});
 }
 
 }  // namespace mimbre

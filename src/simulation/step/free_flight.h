@@ -5,6 +5,7 @@
 #include "dynamics/relative/momentum.h"
 #include "dynamics/relative/system.h"
 #include "dynamics/rigid_shift.h"
+#include "simulation/step/flight_laws.h"
 
 namespace mimbre {
 
@@ -50,14 +51,9 @@ class FreeFlight {
  private:
   bool loaded(const FreeGroup& group, const SignalValues<double>& signals) const;
   void find_gains(relative::RelativeSystem& observer, const State& relative, double h);
-  void set_rates(const State& relative, double h);
 
-  struct Start {
+  struct Start : flight::Start<double> {
     bool loaded = false;
-    Vec3d centre = Vec3d::Zero();  ///< relative to the common point at the start
-    Vec3d velocity = Vec3d::Zero(), angular = Vec3d::Zero();
-    double rotation = 0;  ///< energy of it, J
-    double gain = 0;      ///< of it over the step, by the change of shape, J
   };
   const Compiled& model_;
   std::vector<FreeGroup> groups_;
@@ -66,13 +62,6 @@ class FreeFlight {
   bool changes_shape_ = false;       ///< any of the groups
   Eigen::VectorXd start_q_, rates_;  ///< coordinates at the start, and their rates over the step
 };
-
-/// Energy of rotation ½ Lᵀ J⁻¹ L, of which a group that is turned by θ at constant momentum gains θ · gain.
-struct Rotation {
-  double energy = 0;
-  Vec3d gain = Vec3d::Zero();
-};
-Rotation rotation_of(const Mat3d& inertia, const Vec3d& angular);
 
 /// Applies a shift, about the observer's common point, to one group of the state.
 void shift_group(relative::RelativeSystem& observer, natural::NaturalSystem* natural, const FreeGroup& group,

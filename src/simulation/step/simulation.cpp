@@ -68,7 +68,7 @@ struct Simulation::Impl {
     timed([&] { observe_anew(); });
     for (const auto& [name, value] : options.inputs)
       ranges.set(find_input(compiled, name), value, mechanism.state.time);
-    steps.keep_before(!events.none());
+    steps.keep_before(!events.none() && !method.fixed_cost);
   }
 
   /// Work whose time counts as initialisation.
@@ -143,10 +143,10 @@ struct Simulation::Impl {
       report = steps.step(length);
       if (report.ok()) watch();
     } else {
-      EventStep<Impl> whole(*this, events, mechanism, steps, method.step);
+      EventStep<Impl> parts(*this, events, mechanism, steps, method.step);
       stopped_step_end = on_grid(mechanism.state.time + length);
-      report = whole.to(stopped_step_end);
-      stopped = whole.stopped();
+      report = method.fixed_cost ? parts.whole(length) : parts.to(stopped_step_end);
+      stopped = parts.stopped();
     }
     if (method.profile) step_seconds += std::chrono::duration<double>(Clock::now() - start).count();
     return report;
@@ -320,7 +320,8 @@ Simulation::Simulation(Simulation&&) noexcept = default;
 StepReport Simulation::step() {
   Impl& s = *impl_;
   // What is left of a step that an event stopped comes first.
-  return s.step(s.stopped ? s.stopped_step_end - s.mechanism.state.time : s.method.step);
+  const double now = s.mechanism.state.time, left = s.stopped ? s.stopped_step_end - now : 0;
+  return s.step(left > event_resolution(s.method.step, now) ? left : s.method.step);
 }
 
 StepReport Simulation::step_to(double time) {

@@ -20,7 +20,8 @@ double change_of_rotation(Mechanism& mechanism, int body, const std::vector<int>
   const BodyData& b = mechanism.model.bodies[body];
   const State& s = mechanism.view();
   relative::Workspace<double>& w = mechanism.observer.workspace();
-  const relative::Momentum p = relative::momentum(mechanism.model, w, carried, s.q.data(), s.v.data());
+  const relative::Momentum p =
+      relative::momentum<double>(mechanism.model, w, carried, s.q.data(), s.v.data());
   const Motion<double>& motion = w.bodies[body];
   Mat3d inertia = p.inertia;
   if (!joint_info(b.joint).free()) {  // about its point
@@ -29,7 +30,7 @@ double change_of_rotation(Mechanism& mechanism, int body, const std::vector<int>
     inertia += p.mass * (arm.squaredNorm() * Mat3d::Identity() - arm * arm.transpose());
   }
   const Vec3d moment = motion.omega.cross(inertia * motion.omega);
-  return length * length * relative::mean_spin(inertia, moment).norm();
+  return length * length * relative::mean_spin<double>(inertia, moment).norm();
 }
 
 /// Two digits, rounded down.
