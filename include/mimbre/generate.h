@@ -47,6 +47,7 @@ struct GeneratedCode {
   std::vector<std::string> left_out;   ///< outputs of the model that the code has not, with their kinds
   std::vector<GeneratedState> states;  ///< of code for derivatives: positions, their rates, others
   int indicators = 0;                  ///< likewise: of events
+  int events = 0;                      ///< of the model, in code for steps
   bool varies = false;                 ///< it has directional derivatives
   double step = 0;                     ///< s
   long operations = 0;                 ///< in a step at most: sums, products, quotients, functions
@@ -64,8 +65,8 @@ GeneratedCode generate_code(const std::shared_ptr<const Model>& model, const Run
 /// states of force elements and controllers; where the coordinates become singular, an event selects others.
 ///
 /// Of the options, `inputs` are the start values; formulation and inertia have to be relative and integrals,
-/// as in generate_code; the step, the integrator, the formalism and tolerances have no effect. Bodies may fly
-/// freely, unlike there. `name`: as in generate_code.
+/// as in generate_code; the step, the integrator, the formalism and tolerances have no effect. `name`: as in
+/// generate_code.
 ///
 /// Throws InputError for the bodies, elements and signals that generate_code refuses, and for models without
 /// such equations: contacts, stops, dry friction, wheels with slip, winches, blocks `rate_limit`, constraints

@@ -255,3 +255,91 @@ simulation: {step: 0.01, end: 0.5}
     for name, other in [("ahead", "tip.x"), ("height", "tip.z"), ("turn", "turn")]:
         # A step of the block sees the inputs of its beginning.
         assert np.abs(run[f"signal.f.{name}"][1:] - alone[other][:-1]).max() < 1e-10
+
+
+BACK_AND_FORTH = """
+mimbre: 1
+bodies: {slider: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {guide: {type: prismatic, between: [ground, slider], at: [0, 0, 0], axis: [1, 0, 0]}}
+inputs: {push: 1, laps: {start: 0, range: [0, 9]}}
+signals: {place: {joint: guide}}
+actuators: {motor: {joint: guide, force: "9*push"}}
+events:
+  far: {when: place, crosses: 0.1, direction: rising, set: {push: -1, laps: "laps + 1"}}
+  near: {when: place, crosses: -0.1, direction: falling, set: {push: 1}}
+  last: {when: laps, crosses: 2.5, stop: true}
+outputs: [{name: x, joint: guide}]
+simulation: {step: 3 ms, end: 20, fixed_cost: true}
+"""
+
+
+def instants_of_events(path: Path, folder: Path, events: bool, early: bool, step: float) -> list[tuple[float, int]]:
+    """Where steps tell of events or end early, and how many events have happened there."""
+    from fmpy.fmi1 import FMICallException
+    from fmpy.fmi3 import FMU3Slave
+
+    description = fmpy.read_model_description(str(path))
+    assert description.coSimulation.hasEventMode
+    assert description.coSimulation.mightReturnEarlyFromDoStep
+    references = {v.name: v.valueReference for v in description.modelVariables}
+    f = FMU3Slave(
+        guid=description.instantiationToken,
+        unzipDirectory=fmpy.extract(str(path), str(folder)),
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName="one",
+    )
+    f.instantiate(eventModeUsed=events, earlyReturnAllowed=early)
+    f.enterInitializationMode()
+    f.exitInitializationMode()
+    if events:
+        assert f.updateDiscreteStates() == (False, False, False, False, False, 0.0)
+        f.enterStepMode()
+    told: list[tuple[float, int]] = []
+    now = 0.0
+    while True:
+        try:
+            event, ends, returned, last = f.doStep(now, step)
+        except FMICallException:
+            break
+        assert not ends
+        assert (last < now + step - 1e-9) == returned
+        assert early or not returned
+        now = last
+        counts = f.getFloat64([references["event.far"], references["event.near"]])
+        if event or returned:
+            told.append((last, round(sum(counts))))
+        if event:
+            assert events
+            f.enterEventMode()
+            f.updateDiscreteStates()
+            f.enterStepMode()
+    f.terminate()
+    f.freeInstance()
+    return told
+
+
+@pytest.mark.parametrize("library", [False, True])
+def test_events_are_told_and_end_steps(tmp_path: Path, library: bool) -> None:
+    from fmpy.validation import validate_fmu
+
+    model = mimbre.Model.from_text(BACK_AND_FORTH)
+    path = tmp_path / "back.fmu"
+    model.fmu(path, version=3, library=library)
+    assert validate_fmu(str(path)) == []
+    simulation = mimbre.Simulation(model)
+    instants: list[float] = []
+    while not simulation.stopped:
+        simulation.step()
+        if sum(count for count, *_ in simulation.events.values()) > len(instants) and not simulation.stopped:
+            instants.append(simulation.time)
+    assert len(instants) == 4
+    for events in (False, True):
+        for step in (0.1, 0.0075, 0.003, 0.0013):
+            told = instants_of_events(path, tmp_path / f"{events}{step}", events, True, step)
+            if events or step > 0.01:
+                assert [n for _, n in told] == [1, 2, 3, 4]
+                assert np.allclose([t for t, _ in told], instants, atol=1e-9)
+    told = instants_of_events(path, tmp_path / "late", True, False, 0.1)
+    assert [n for _, n in told] == [1, 2, 3, 4]
+    assert np.allclose([t for t, _ in told], [np.ceil(10 * t - 1e-9) / 10 for t in instants], atol=1e-9)
+    assert instants_of_events(path, tmp_path / "none", False, False, 0.1) == []

@@ -56,6 +56,7 @@ class Generator {
     out_.name = name_;
     out_.step = method_.step;
     out_.left_out = recorded_->left_out;
+    out_.events = static_cast<int>(std::ssize(m_.spec().events));
     name_variables(m_, mechanism_.state, *recorded_, out_);
     const PhaseCode phases = write_phases(recorded_->program, name_);
     kept_ = phases.kept;
@@ -249,6 +250,7 @@ class Generator {
         "/* Of the state of now; not a number: there is no such output. */\ndouble @_get_output(@ *s, int "
         "output);\n"
         "double @_time(const @ *s);\n"
+        "/* How many events of the model have happened. */\ndouble @_event_count(const @ *s);\n"
         "void @_save(const @ *s, @_state *state);\nvoid @_restore(@ *s, const @_state *state);\n\n",
         name_);
     if (out_.varies) h += named(variations_at_rest_header_text, name_);

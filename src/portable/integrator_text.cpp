@@ -1085,6 +1085,17 @@ double @_get_output(@ *s, int output) {
 
 double @_time(const @ *s) { return s->state.time; }
 
+double @_event_count(const @ *s) {
+  double count = 0.0;
+#if @_EVENTS > 0
+  int k;
+  for (k = 0; k < @_EVENTS; ++k) count += s->state.happened[k];
+#else
+  (void)s;
+#endif
+  return count;
+}
+
 void @_save(const @ *s, @_state *state) { *state = s->state; }
 void @_restore(@ *s, const @_state *state) {
   s->state = *state;

@@ -437,6 +437,28 @@ TEST_P(Fmu, StandsHostileImporters) {
   expect_good_calls(printed, 15, GetParam() == 2 ? std::set<int>{15} : std::set<int>{14, 15});
 }
 
+/// Likewise of a model with events, by importers half of which use event mode.
+TEST(FmuEvents, StandHostileImporters) {
+  const FmuCode fmu = fmu_of(model_of(R"yaml(
+bodies: {slider: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {guide: {type: prismatic, between: [ground, slider], at: [0, 0, 0], axis: [1, 0, 0]}}
+inputs: {push: 1, laps: {start: 0, range: [0, 9]}, shake: 0, sway: 0}
+signals: {place: {joint: guide}, late: {delay: place, time: 0.011}}
+actuators: {motor: {joint: guide, force: "9*push + shake + late"}}
+events:
+  far: {when: place, crosses: 0.001, direction: rising, set: {push: -1, laps: "laps + 1"}}
+  near: {when: place, crosses: -0.001, direction: falling, set: {push: 1}}
+  last: {when: laps, crosses: 3.5, stop: true}
+outputs: [{name: x, joint: guide}, {name: v, joint_velocity: guide}]
+simulation: {step: 3 ms, end: 20}
+)yaml"),
+                             3, "hostile_events");
+  const std::string printed = printed_by_hostile(
+      fmu, "hostile_importer", "-DINSTANCE_STEP=" + std::to_string(fmu.code.step) + " -DINSTANCE_EVENTS=2");
+  if (printed.empty()) GTEST_SKIP() << "the compiler has no sanitizers";
+  expect_good_calls(printed, 15, {});
+}
+
 INSTANTIATE_TEST_SUITE_P(Versions, Fmu, testing::Values(2, 3),
                          [](const testing::TestParamInfo<int>& version) {
                            return "Fmi" + std::to_string(version.param);

@@ -68,6 +68,7 @@ class Description {
     if (!two()) {
       set_true(kind, {"canGetAndSetFMUState", "canSerializeFMUState"});
       if (!exchange()) set(kind, "fixedInternalStepSize", fmu_.code.step);
+      if (fmu_.code.events > 0) set_true(kind, {"hasEventMode", "mightReturnEarlyFromDoStep"});
       return;
     }
     set_true(kind, {"canGetAndSetFMUstate", "canSerializeFMUstate"});

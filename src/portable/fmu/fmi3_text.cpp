@@ -447,15 +447,19 @@ const char* const fmi3_steps_text = R"c(
     fmi3Boolean event_mode, fmi3Boolean early_return, const fmi3ValueReference intermediate[],
     size_t intermediate_count, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
     fmi3IntermediateUpdateCallback update) {
+  @_fmu *f;
   (void)resources;
   (void)visible;
-  (void)early_return;
   (void)intermediate;
   (void)update;
-  return @_fmu_make(instance_name, token, logs, environment, log,
-                    event_mode               ? "the FMU has no event mode"
-                    : intermediate_count > 0 ? "the FMU has no intermediate variables"
-                                             : NULL);
+  f = @_fmu_make(instance_name, token, logs, environment, log,
+                 event_mode && !@_FMU_EVENT_MODE ? "the FMU has no event mode"
+                 : intermediate_count > 0        ? "the FMU has no intermediate variables"
+                                                 : NULL);
+  if (!f) return NULL;
+  f->uses_events = event_mode;
+  f->returns_early = early_return;
+  return f;
 }
 @_FMU_EXPORT fmi3Instance @_FMU_NAME(fmi3InstantiateModelExchange)(fmi3String instance_name, fmi3String token,
                                                        fmi3String resources, fmi3Boolean visible, fmi3Boolean logs,
@@ -481,27 +485,34 @@ const char* const fmi3_steps_text = R"c(
     return (fmi3Status)@_fmu_wrong(f, "a pointer for the results of the step is missing");
   *event = *terminate = *early_return = false;
   status = @_fmu_do_step(f, from, length);
+  *event = f->uses_events && f->event;
+  *early_return = f->early;
   *terminate = f->progress.ended == 1;
   *last = f->progress.now;
   return (fmi3Status)status;
 }
 
-/* Functions that the model description excludes. */
+/* Events of the model have happened where a step ends: in event mode the importer sees what they have set. */
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3EnterEventMode)(fmi3Instance instance) {
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no event mode"));
+  @_fmu *const f = (@_fmu *)instance;
+  if (!f) return fmi3Error;
+  if (!f->uses_events) return (fmi3Status)@_fmu_wrong(f, "the FMU was made without event mode, or has none");
+  return (fmi3Status)@_fmu_go(f, @_FMU_RUNS, @_FMU_EVENTS);
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3EnterStepMode)(fmi3Instance instance) {
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no event mode"));
+  return @_FMU_OF(instance, @_fmu_go((@_fmu *)instance, @_FMU_EVENTS, @_FMU_RUNS));
 }
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3UpdateDiscreteStates)(fmi3Instance instance, fmi3Boolean *need_update, fmi3Boolean *terminate, fmi3Boolean *nominals_changed, fmi3Boolean *values_changed, fmi3Boolean *has_next, fmi3Float64 *next) {
-  (void)need_update;
-  (void)terminate;
-  (void)nominals_changed;
-  (void)values_changed;
-  (void)has_next;
-  (void)next;
-  return @_FMU_OF(instance, @_fmu_wrong((@_fmu *)instance, "the FMU has no event mode"));
+  @_fmu *const f = (@_fmu *)instance;
+  if (!f || !@_fmu_turn(f, @_FMU_EVENTS)) return fmi3Error;
+  if (!need_update || !terminate || !nominals_changed || !values_changed || !has_next || !next)
+    return (fmi3Status)@_fmu_wrong(f, "a pointer for the results of the update is missing");
+  *need_update = *terminate = *nominals_changed = *values_changed = *has_next = false;
+  *next = 0.0;
+  return fmi3OK;
 }
+
+/* Functions that the model description excludes. */
 @_FMU_EXPORT fmi3Status @_FMU_NAME(fmi3GetOutputDerivatives)(fmi3Instance instance, const fmi3ValueReference vr[], size_t number, const fmi3Int32 orders[], fmi3Float64 values[], size_t value_count) {
   (void)vr;
   (void)number;

@@ -19,6 +19,9 @@ typedef struct @_fmu_saved {
 typedef struct {
   @_fmu_host host;
   int logs; /* whether warnings are wanted */
+  /* In co-simulation: what the importer wants to know of events, and of the last step whether one happened at its end, and
+   * whether it ended early for that. */
+  int uses_events, returns_early, event, early;
   @_fmu_saved *saved;
   @_fmu_progress progress;
   @ model;
@@ -73,6 +76,7 @@ static @_fmu *@_fmu_set_up(@_fmu *f, const @_fmu_host *host, int logs) {
   f->host = *host;
   f->logs = logs;
   f->saved = NULL;
+  f->uses_events = f->returns_early = f->event = f->early = 0;
 #if @_FMU_LIBRARY
   {
     char message[4000];

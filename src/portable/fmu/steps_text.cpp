@@ -12,12 +12,13 @@ enum {
   @_FMU_STARTS = 2,     /* initialization mode */
   @_FMU_RUNS = 4,       /* step mode */
   @_FMU_STOPPED = 8,    /* a step could not be made */
-  @_FMU_TERMINATED = 16
+  @_FMU_TERMINATED = 16,
+  @_FMU_EVENTS = 32 /* event mode */
 };
 
-#define @_FMU_SETTABLE (@_FMU_MADE | @_FMU_STARTS | @_FMU_RUNS)
+#define @_FMU_SETTABLE (@_FMU_MADE | @_FMU_STARTS | @_FMU_RUNS | @_FMU_EVENTS)
 #define @_FMU_FIXED 0 /* where parameters cannot be set */
-#define @_FMU_ENDS (@_FMU_RUNS | @_FMU_STOPPED)
+#define @_FMU_ENDS (@_FMU_RUNS | @_FMU_STOPPED | @_FMU_EVENTS)
 #define @_FMU_STOPS 1 /* a stop time is kept: no step ends behind it */
 #if @_FMU_VARIES
 #define @_FMU_NO_ADJOINTS "the FMU has no adjoint derivatives; it has directional ones: fmi3GetDirectionalDerivative"
@@ -46,6 +47,7 @@ typedef struct {
   double before[@_FMU_OUTPUTS + 1], after[@_FMU_OUTPUTS + 1]; /* outputs at the last two, where now is between */
   int mode, between, iterations, unconverged;
   int ended; /* an event of the model ended the run; 2: it will, at `ends` */
+  int happened; /* an event at the end of the last step of the model, which the importer does not know of */
   double ends;
 } @_fmu_progress;
 )c";
@@ -134,7 +136,8 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
   double inputs[@_FMU_INPUTS + 1], outputs[@_FMU_OUTPUTS + 1], time = 0.0;
   size_t k, e;
   int output, asked[@_FMU_OUTPUTS + 1] = {0};
-  if (!@_fmu_turn(f, @_FMU_STARTS | @_FMU_RUNS | @_FMU_STOPPED | @_FMU_TERMINATED)) return @_FMU_ERROR;
+  if (!@_fmu_turn(f, @_FMU_STARTS | @_FMU_RUNS | @_FMU_STOPPED | @_FMU_TERMINATED | @_FMU_EVENTS))
+    return @_FMU_ERROR;
   if ((unknown_count > 0 && (!unknowns || !result)) || (known_count > 0 && (!knowns || !seed)))
     return @_fmu_wrong(f, "the references, the seed or the array of results is missing");
   memset(inputs, 0, sizeof inputs);
@@ -170,7 +173,7 @@ static int @_fmu_run(@_fmu *f) {
   if (!@_fmu_turn(f, @_FMU_STARTS)) return @_FMU_ERROR;
   if (@_start(&f->model) != @_MADE) return @_fmu_wrong(f, @_message(&f->model));
 #endif
-  return @_fmu_go(f, @_FMU_STARTS, @_FMU_RUNS);
+  return @_fmu_go(f, @_FMU_STARTS, f->uses_events ? @_FMU_EVENTS : @_FMU_RUNS);
 }
 
 static void @_fmu_outputs(@_fmu *f, double *values) {
@@ -214,6 +217,26 @@ static int @_fmu_go_to_end(@_fmu *f, double end) {
   return @_FMU_OK;
 }
 
+/* Whether an event has happened by `end`. Where the importer allows it the step then ends there. */
+static int @_fmu_meets_event(@_fmu *f, double end) {
+#if @_FMU_EVENT_MODE
+  @_fmu_progress *const p = &f->progress;
+  const double at = p->begin + p->steps*@_FMU_STEP, about = 1e-6*@_FMU_STEP + 1e-12*fabs(end);
+  if (!p->happened || at > end + about) return 0;
+  p->happened = 0;
+  f->event = 1;
+  f->early = f->returns_early && at < end - about;
+  if (!f->early) return 0;
+  p->between = 0;
+  p->now = at;
+  return 1;
+#else
+  (void)f;
+  (void)end;
+  return 0;
+#endif
+}
+
 /* To from + length: steps of the model until it is there or behind, then between the last two. */
 static int @_fmu_do_step(@_fmu *f, double from, double length) {
   @_fmu_progress *const p = &f->progress;
@@ -233,10 +256,15 @@ static int @_fmu_do_step(@_fmu *f, double from, double length) {
   whole = fabs(counted - nearest) <= 1e-6 + 4.0*DBL_EPSILON*(fabs(p->begin) + fabs(end))/@_FMU_STEP;
   target = whole ? nearest : ceil(counted);
   if (!(target - p->steps <= 1e9)) return @_fmu_wrong(f, "the communication step has more than 1e9 steps of the model");
+  f->event = f->early = 0;
   if (p->ended == 2) return @_fmu_go_to_end(f, end);
+  if (@_fmu_meets_event(f, end)) return @_FMU_OK;
   if (p->steps < target) p->iterations = 0;
   while (p->steps < target) {
     int status;
+#if @_FMU_EVENT_MODE
+    const double events = @_event_count(&f->model);
+#endif
     if (!whole && p->steps + 1.0 >= target) @_fmu_outputs(f, p->before);
     status = @_step(&f->model);
     if (status == @_FMU_ENDED && !whole && p->steps + 1.0 >= target) {
@@ -250,6 +278,10 @@ static int @_fmu_do_step(@_fmu *f, double from, double length) {
     p->iterations += f->model.iterations;
     if (status == @_FMU_UNCONVERGED && p->unconverged < 2147483647) ++p->unconverged;
     if (!whole && p->steps >= target) @_fmu_outputs(f, p->after);
+#if @_FMU_EVENT_MODE
+    if (@_event_count(&f->model) != events) p->happened = 1;
+    if (@_fmu_meets_event(f, end)) return @_FMU_OK;
+#endif
   }
   p->between = !whole;
   p->weight = counted - (p->steps - 1.0);

@@ -89,6 +89,7 @@ std::string fmu_wrapper(const FmuCode& fmu) {
     define.text("UNCONVERGED", (fmu.with_library ? name : upper) + "_UNCONVERGED");
     define.text("ENDED", (fmu.with_library ? name : upper) + "_ENDED");
   }
+  if (!exchange) define("EVENT_MODE", fmu.version == 3 && fmu.code.events > 0 ? 1L : 0L);
   if (fmu.version == 2) define.text("KIND", exchange ? "fmi2ModelExchange" : "fmi2CoSimulation");
   if (!fmu.with_library) define.of_header(name, {"NOT_FINITE", "SINGULAR", "DRIFTED"});
   std::vector<double> least, most, start;

@@ -139,6 +139,7 @@ GeneratedCode library_code(const std::shared_ptr<const Model>& model, const RunO
   GeneratedCode out;
   out.name = name;
   out.step = simulation.step_size();
+  out.events = static_cast<int>(std::ssize(simulation.events()));
   out.varies = true;
   out.inputs = inputs_of(simulation);
   out.parameters = parameters_of(source);

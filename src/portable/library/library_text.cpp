@@ -34,6 +34,7 @@ double @_get_output(@ *s, int output);
 int @_vary(@ *s, const double *inputs, double time, const int *outputs, int count, double *derivatives);
 int @_step(@ *s);
 double @_time(const @ *s);
+double @_event_count(const @ *s); /* how many events of the model have happened */
 size_t @_state_size(@ *s); /* bytes now; 0: there is no state */
 int @_save(@ *s, unsigned char *state, size_t size);
 int @_restore(@ *s, const unsigned char *state, size_t size);
@@ -52,6 +53,7 @@ int mimbre_model_parameter(mimbre_model *model, int parameter, double *value);
 int mimbre_model_find(mimbre_model *model);
 int mimbre_model_start(mimbre_model *model);
 double mimbre_model_time(const mimbre_model *model);
+double mimbre_model_event_count(const mimbre_model *model);
 int mimbre_model_set_input(mimbre_model *model, int input, double value);
 double mimbre_model_output(mimbre_model *model, int output);
 int mimbre_model_vary(mimbre_model *model, const double *inputs, double time, const int *outputs, int count,
@@ -91,6 +93,7 @@ int @_vary(@ *s, const double *inputs, double time, const int *outputs, int coun
 }
 int @_step(@ *s) { return mimbre_model_step(s->motion, &s->iterations); }
 double @_time(const @ *s) { return mimbre_model_time(s->motion); }
+double @_event_count(const @ *s) { return mimbre_model_event_count(s->motion); }
 size_t @_state_size(@ *s) { return mimbre_model_state_size(s->motion); }
 int @_save(@ *s, unsigned char *state, size_t size) { return mimbre_model_save(s->motion, state, size); }
 int @_restore(@ *s, const unsigned char *state, size_t size) { return mimbre_model_restore(s->motion, state, size); }

@@ -73,6 +73,7 @@ std::vector<std::pair<int, std::string>> output_channels(const std::vector<Chann
   for (std::size_t k = out.size(); k < channels.size(); ++k) {
     const std::string& name = channels[k].name;
     if (name.starts_with(signal)) out.emplace_back(static_cast<int>(k), name.substr(signal.size()));
+    if (name.starts_with("event.")) out.emplace_back(static_cast<int>(k), name);
   }
   for (std::size_t k = 0; k < channels.size() && count == 0; ++k)
     if (channels[k].name.starts_with("joint.") && channels[k].name.find(".position") != std::string::npos)

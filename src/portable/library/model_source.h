@@ -35,8 +35,8 @@ ModelRead read_model(const ModelSource& source, const std::map<std::string, doub
 std::vector<model_file::DeclaredParameter> fixed_parameters(
     const std::vector<model_file::DeclaredParameter>& declared);
 
-/// The channels that are outputs, as of code: the model's outputs (the first `count` channels) and its
-/// signals; where it has no outputs, its joints' coordinates. With their names.
+/// The channels that are outputs, as of code: the model's outputs (the first `count` channels), its
+/// signals and events; where it has no outputs, its joints' coordinates. With their names.
 std::vector<std::pair<int, std::string>> output_channels(const std::vector<ChannelInfo>& channels, int count);
 
 }  // namespace mimbre::portable

@@ -324,6 +324,12 @@ int mimbre_model_start(mimbre_model* m) {
 
 double mimbre_model_time(const mimbre_model* m) { return m->simulation->time(); }
 
+double mimbre_model_event_count(const mimbre_model* m) {
+  double count = 0;
+  for (const EventRecord& event : m->simulation->events()) count += static_cast<double>(event.count);
+  return count;
+}
+
 int mimbre_model_set_input(mimbre_model* m, int input, double value) {
   return guarded(m, [&] {
     const std::vector<spec::Input>& inputs = m->simulation->inputs();

@@ -37,6 +37,8 @@ int mimbre_model_find(mimbre_model* model);
 /// The same, once and for all: inputs that are set from now on act in the next step.
 int mimbre_model_start(mimbre_model* model);
 double mimbre_model_time(const mimbre_model* model);
+/// How many events of the model have happened.
+double mimbre_model_event_count(const mimbre_model* model);
 /// An input or a parameter, within its range. Before mimbre_model_start() and the first step the start is
 /// that of a model with this value, equilibrium included.
 int mimbre_model_set_input(mimbre_model* model, int input, double value);

@@ -2,13 +2,18 @@
  * of the standard each time. Compiled under the sanitizers; INSTANCE_STEP: the model's own, s. */
 #include "hostile.h"
 
+/* One of so many instances wants events. */
+#ifndef INSTANCE_EVENTS
+#define INSTANCE_EVENTS 9
+#endif
+
 static void *make(void) {
 #if FMI == 2
   return fmi2Instantiate(one_of(9) ? "one" : NULL, one_of(9) ? fmi2CoSimulation : fmi2ModelExchange,
                          one_of(9) ? TOKEN : "other", NULL, callbacks(), 0, one_of(2));
 #else
   return fmi3InstantiateCoSimulation(one_of(9) ? "one" : NULL, one_of(9) ? TOKEN : NULL, NULL, false, one_of(2) != 0,
-                                     one_of(9) == 0, one_of(2) != 0, NULL, one_of(9) == 0 ? 3 : 0, NULL,
+                                     one_of(INSTANCE_EVENTS) == 0, one_of(2) != 0, NULL, one_of(9) == 0 ? 3 : 0, NULL,
                                      one_of(5) ? told : NULL, NULL);
 #endif
 }
@@ -84,9 +89,12 @@ static int call(int function, void *c, void **state, byte **bytes, size_t *size,
     case 13:
       return fmi3FreeFMUState(c, one_of(9) ? handle : NULL);
     case 14:
-      return fmi3EnterEventMode(c);
-    case 15:
-      return fmi3UpdateDiscreteStates(c, NULL, NULL, NULL, NULL, NULL, NULL);
+      return one_of(2) ? fmi3EnterEventMode(c) : fmi3EnterStepMode(c);
+    case 15: {
+      fmi3Boolean a, b, d, e, g;
+      double next;
+      return fmi3UpdateDiscreteStates(c, one_of(9) ? &a : NULL, &b, &d, &e, one_of(9) ? &g : NULL, &next);
+    }
 #endif
     case 16: {
       const char *names[2] = {one_of(2) ? "logStatusWarning" : "nothing", one_of(9) ? "logAll" : NULL};
