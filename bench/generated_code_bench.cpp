@@ -24,21 +24,11 @@
 /// project; compilers' options by CFLAGS.
 namespace {
 
-constexpr std::array models{"tutorial/pendulum",
-                            "pendulum/flexible",
-                            "double-four-bar/mechanism",
-                            "bricard/mechanism",
-                            "tutorial/four-bar",
-                            "crank-train/model",
-                            "slider-crank/slider-crank",
-                            "wind-turbine/model",
-                            "washing-machine/model",
-                            "iltis/suspension",
-                            "iltis/vehicle",
-                            "iltis/drive",
-                            "iltis/anti-lock",
-                            "iltis/brake-in-bend",
-                            "solar-array/model"};
+constexpr std::array models{"tutorial/pendulum",         "pendulum/flexible",   "double-four-bar/mechanism",
+                            "bricard/mechanism",         "tutorial/four-bar",   "crank-train/model",
+                            "slider-crank/slider-crank", "wind-turbine/model",  "washing-machine/model",
+                            "iltis/suspension",          "iltis/vehicle",       "iltis/drive",
+                            "iltis/anti-lock",           "iltis/brake-in-bend", "solar-array/model"};
 constexpr double seconds = 1;
 
 mimbre::RunOptions fixed_cost() {
