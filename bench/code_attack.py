@@ -46,6 +46,14 @@ def model_of(seed):
     model = random_model(seed, step=STEP, end=END)
     for name in ("formulation", "formalism", "integrator", "inertia"):
         model["simulation"].pop(name, None)
+    if "wanted" in model.get("signals", {}) and "actuators" in model:
+        # Relays that switch each other, and an event at the last one.
+        model["signals"]["first"] = {"hysteresis": "wanted + jitter", "rises_at": 0.05, "falls_at": -0.05}
+        model["signals"]["second"] = {"hysteresis": "first + 0.1*late", "rises_at": 0.6, "falls_at": 0.3, "high": -2}
+        for actuator in model["actuators"].values():
+            for force in {"torque", "force"} & set(actuator):
+                actuator[force] = f"{actuator[force]} + 0.1*second + 0.2*first"
+        model.setdefault("events", {})["switched"] = {"when": "second", "crosses": -1}
     model["simulation"] |= {"step": STEP, "end": END, "output_interval": STEP, "formulation": "relative"}
     return model
 

@@ -318,6 +318,18 @@ def instants_of_events(path: Path, folder: Path, events: bool, early: bool, step
     return told
 
 
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("library", [False, True])
+def test_what_is_set_before_the_start_is_no_crossing(tmp_path: Path, library: bool, version: Any) -> None:
+    model = mimbre.Model.from_text(BACK_AND_FORTH)
+    path = str(model.fmu(tmp_path / "back.fmu", version=version, library=library))
+    names = ["laps", "event.last", "solver.steps"]
+    result = fmpy.simulate_fmu(path, start_values={"laps": 3.0}, stop_time=0.15, output_interval=0.03, output=names)
+    assert result["laps"][-1] == 3
+    assert result["event.last"][-1] == 0
+    assert result["solver.steps"][-1] == 50
+
+
 @pytest.mark.parametrize("library", [False, True])
 def test_events_are_told_and_end_steps(tmp_path: Path, library: bool) -> None:
     from fmpy.validation import validate_fmu

@@ -81,8 +81,7 @@ class Search {
   void read(Memory memory, int at) {
     found_.acceleration = found_.acceleration || memory == Memory::a || memory == Memory::multipliers;
     found_.motion = found_.motion || memory == Memory::q || memory == Memory::v;
-    found_.time = found_.time || memory == Memory::time;
-    found_.time = found_.time || memory == Memory::delayed;
+    found_.time = found_.time || memory == Memory::time || memory == Memory::delayed;
     found_.memory = found_.memory || memory == Memory::states || memory == Memory::delayed ||
                     memory == Memory::event_count || memory == Memory::event_time;
     if (memory == Memory::held) return read_held(at);

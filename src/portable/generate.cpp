@@ -70,6 +70,7 @@ class Generator {
         "? 1 : -1];\n\n",
         comment(title()), method_.step, name_, upper());
     write_constants();
+    write_tables();
     out_.source += write_callees(recorded_->program.recording, name_);
     out_.source += phases.text;
     write_exchange();
@@ -106,27 +107,33 @@ class Generator {
                            factor + solve + 4 * j + 30 * n;
     const long projection = 6 * (solve + 4 * j + 4 * n);
     const bool equations = m_.equations > 0;
+    const long look = of("origin") + of("signals_rest") + of("motion") + of("sense_rest") + of("see_rest") +
+                      most_signal_rounds * of("sense_round_rest");
+    const long forces = of(recorded_->rests ? "forces_rest" : "forces_step");
+    const long jumps =
+        recorded_->blocks ? (relays() > 0 ? longest_chain : 1) * (look + of("keep_blocks_rest")) : 0;
     long samples = 0;
     for (std::size_t k = 0; k < recorded_->program.phases.size(); ++k)
       if (recorded_->program.phases[k].name.starts_with("sample_")) samples += phases.operations[k];
-    if (samples > 0)
-      samples += of("motion") + of("sense_rest") + of("see_rest") +
-                 most_signal_rounds * of("sense_round_rest") +
-                 of(recorded_->rests ? "forces_rest" : "forces_step");
-    const long look = of("origin") + of("signals_rest") + of("motion") + of("sense_rest") + of("see_rest") +
-                      most_signal_rounds * of("sense_round_rest") +
-                      of(recorded_->rests ? "forces_rest" : "forces_step");
-    const long events = m_.spec().events.empty() ? 0
-                                                 : 2 * (1 + EventChain::longest) *
-                                                       (2 * look + of("events") + of("keep_blocks_rest"));
+    if (samples > 0) samples += look + forces;
+    // Before the step and at its end.
+    const long events =
+        m_.spec().events.empty() ? 0 : 2 * (1 + longest_chain) * (jumps + look + forces + of("events"));
     const long flights = recorded_->flights.empty()
                              ? 0
                              : look + of("flight_begin") + of("flight_rates") + 2 * of("flight_gain") +
                                    of("flight_end") + 4 * of("motion");
-    out_.operations = samples + events + flights + of("origin") + of("signals_step") +
+    out_.operations = samples + 2 * jumps + events + flights + of("origin") + of("signals_step") +
                       method_.max_iterations * iteration + of("retract") +
                       of("motion") * (equations ? 7 : 1) + (equations ? 7 * projection : 0) + sight +
                       of("commit") + 20 * n;
+  }
+
+  /// Continuous ones.
+  std::ptrdiff_t relays() const {
+    return std::count_if(m_.signals.blocks.begin(), m_.signals.blocks.end(), [](const SignalsData::Block& b) {
+      return block_info(b.type).relay && !(b.every > 0);
+    });
   }
 
   int size_of(Memory memory) const { return recorded_->program.sizes[static_cast<std::size_t>(memory)]; }
@@ -228,11 +235,13 @@ class Generator {
                      out_.outputs.size());
     h += variable_names(out_);
     h += fmt::format(
-        "\n/* What a step returns. Up to {0}_UNCONVERGED it was made; else the state is as before. */\n"
+        "\n/* What a step returns. Up to {0}_UNCONVERGED it was made; but for {0}_ENDED the state is else as "
+        "before. */\n"
         "enum {{\n  {0}_OK = 0,\n  {0}_UNCONVERGED = 1, /* taken before the iterations had converged */\n"
         "  {0}_NOT_FINITE = 2,\n  {0}_SINGULAR = 3,\n  {0}_DRIFTED = 4, /* the loops have come apart */\n"
         "  {0}_NOT_CONVERGED = 5,\n  {0}_NO_SUCH = 6, /* no such input, or no number for it */\n"
-        "  {0}_ENDED = 7 /* an event of the model ends the run here; the step was made */\n}};\n\n",
+        "  {0}_ENDED = 7 /* an event of the model ends the run, at the end of the step, which was made, or "
+        "before it */\n}};\n\n",
         upper());
     h += fmt::format(
         "/* All that the next step depends on: may be copied, kept and given to another instance. "
@@ -250,6 +259,8 @@ class Generator {
         "/* Of the state of now; not a number: there is no such output. */\ndouble @_get_output(@ *s, int "
         "output);\n"
         "double @_time(const @ *s);\n"
+        "/* Events count crossings from the values of now on: of the start, after its inputs were set. */\n"
+        "void @_start_events(@ *s);\n"
         "/* How many events of the model have happened. */\ndouble @_event_count(const @ *s);\n"
         "void @_save(const @ *s, @_state *state);\nvoid @_restore(@ *s, const @_state *state);\n\n",
         name_);
@@ -282,7 +293,9 @@ class Generator {
     define("SAMPLED", std::ssize(m_.signals.sampled));
     define("DELAYS", std::ssize(r.delays));
     define("EVENTS", std::ssize(m_.spec().events));
-    define("EVENT_ROUNDS", static_cast<long>(EventChain::longest));
+    define("EVENT_ROUNDS", static_cast<long>(longest_chain));
+    define("RELAYS", static_cast<long>(relays()));
+    define("FLIGHT_NUMBERS", static_cast<long>(flight_moved));
     define("FLIGHTS", std::ssize(r.flights));
     define("FLIGHT_TURNS", static_cast<long>(std::any_of(r.flights.begin(), r.flights.end(),
                                                          [](const RecordedFlight& f) { return !f.rigid; })));
@@ -306,14 +319,21 @@ class Generator {
     define("DRIFT_LIMIT", options_.drift_limit);
     define("ROUND_OFF", scales.round_off);
     define("ACCELERATION", scales.acceleration);
-    std::string& s = out_.source;
-    s += "\n";
-    const auto numbers = [&](const char* name, const auto& values) {
-      s += table(fmt::format("{}_{}", name_, name), std::vector<double>(values.begin(), values.end()));
-    };
-    const auto integers = [&](const char* name, const std::vector<int>& values) {
-      s += table(fmt::format("{}_{}", name_, name), values);
-    };
+    out_.source += "\n";
+  }
+
+  template <class Values>
+  void numbers(const char* name, const Values& values) {
+    out_.source +=
+        table(fmt::format("{}_{}", name_, name), std::vector<double>(values.begin(), values.end()));
+  }
+  void integers(const char* name, const std::vector<int>& values) {
+    out_.source += table(fmt::format("{}_{}", name_, name), values);
+  }
+
+  void write_tables() {
+    const RecordedModel& r = *recorded_;
+    const Scales& scales = mechanism_.observer.scales();
     numbers("penalty", penalty_);
     numbers("equation_scale", scales.equations);
     numbers("coordinate_scale", scales.coordinates);
@@ -321,33 +341,9 @@ class Generator {
     mechanism_.observer.temper_prediction(method_.step, temper.data());
     for (double& x : temper) x = 1 / x;
     numbers("temper", temper);
-    std::vector<int> rows, first, columns;
-    for (const JacobianEntry& e : r.jacobian) {
-      if (rows.empty() || rows.back() != e.equation) {
-        rows.push_back(e.equation);
-        first.push_back(static_cast<int>(columns.size()));
-      }
-      columns.push_back(e.coordinate);
-    }
-    first.push_back(static_cast<int>(columns.size()));
-    define("ROWS", std::ssize(rows));
-    integers("j_row", rows);
-    integers("j_first", first);
-    integers("j_column", columns);
+    write_jacobian();
     write_panels();
-    if (!r.marked.empty()) {
-      std::vector<double> small;
-      s += named(
-          "typedef struct {\n  int size, tangent, contact;\n} @_marked;\nstatic const @_marked "
-          "@_marked_elements[] = {\n",
-          name_);
-      for (const MarkedElement& e : r.marked) {
-        s += fmt::format("  {{{}, {}, {}}},\n", e.size, e.tangent, e.contact ? 1 : 0);
-        small.push_back(e.small);
-      }
-      s += "};\n";
-      numbers("mark_small", small);
-    }
+    write_marked();
     if (!r.circle.empty()) integers("circle_slot", r.circle);
     write_delays();
     write_events();
@@ -360,7 +356,7 @@ class Generator {
       integers("flight_q", q);
       integers("flight_v", v);
     }
-    s += held_inputs(m_, out_);
+    out_.source += held_inputs(m_, out_);
     const State& state = mechanism_.state;
     numbers("start_q", state.q);
     numbers("start_v", state.v);
@@ -368,7 +364,41 @@ class Generator {
     numbers("start_multipliers", state.multipliers);
     numbers("start_z", state.z);
     numbers("start_u", state.u);
-    s += "\n";
+    out_.source += "\n";
+  }
+
+  /// Where the entries of the Jacobian are, row by row.
+  void write_jacobian() {
+    std::vector<int> rows, first, columns;
+    for (const JacobianEntry& e : recorded_->jacobian) {
+      if (rows.empty() || rows.back() != e.equation) {
+        rows.push_back(e.equation);
+        first.push_back(static_cast<int>(columns.size()));
+      }
+      columns.push_back(e.coordinate);
+    }
+    first.push_back(static_cast<int>(columns.size()));
+    Constants(out_.source, name_)("ROWS", std::ssize(rows));
+    integers("j_row", rows);
+    integers("j_first", first);
+    integers("j_column", columns);
+  }
+
+  /// Elements whose tangents are exchanged in the matrix.
+  void write_marked() {
+    if (recorded_->marked.empty()) return;
+    std::string& s = out_.source;
+    std::vector<double> small;
+    s += named(
+        "typedef struct {\n  int size, tangent, contact;\n} @_marked;\nstatic const @_marked "
+        "@_marked_elements[] = {\n",
+        name_);
+    for (const MarkedElement& e : recorded_->marked) {
+      s += fmt::format("  {{{}, {}, {}}},\n", e.size, e.tangent, e.contact ? 1 : 0);
+      small.push_back(e.small);
+    }
+    s += "};\n";
+    numbers("mark_small", small);
   }
 
   void write_delays() {

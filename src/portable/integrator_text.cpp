@@ -599,7 +599,7 @@ static void @_start_flight(@ *s) {
 static void @_end_flight(@ *s) {
   int i, k;
 #if @_FLIGHT_TURNS
-  /* By the change of shape, at both ends. */
+  /* The energy that the change of shape adds to the rotation: the mean of its power at both ends. */
   @_flight_rates(s);
   memcpy(s->unprojected, s->v, sizeof s->v);
   memcpy(s->moved, s->q, sizeof s->q);
@@ -617,7 +617,7 @@ static void @_end_flight(@ *s) {
 #endif
   @_flight_end(s);
   for (i = 0; i < @_FLIGHTS; ++i) {
-    const double *const to = s->flown + 25*i;
+    const double *const to = s->flown + @_FLIGHT_NUMBERS*i; /* 7 positions, 6 velocities, 6 accelerations, 6 algorithmic ones */
     double *const v = s->v + @_flight_v[i], *const a = s->a + @_flight_v[i];
     double *const algorithmic = s->algorithmic + @_flight_v[i];
     for (k = 0; k < 7; ++k) s->q[@_flight_q[i] + k] = to[k];
@@ -892,19 +892,25 @@ static void @_sample(@ *s) {
 }
 #endif
 
-/* What blocks start from where something has jumped. */
+/* What blocks start from where something has jumped; where a relay switches by that, its output has jumped, too. */
 static void @_take_jumps(@ *s) {
 #if @_BLOCKS
-  if (!(s->state.u[@_CLOCK + 1] > 0.0)) return;
-  @_look(s);
-  if (s->state.begun)
-    @_keep_blocks_rest(s);
-  else
-    @_keep_blocks_fresh(s);
+  int k;
+  for (k = 0; k < @_EVENT_ROUNDS && s->state.u[@_CLOCK + 1] > 0.0; ++k) {
+    @_look(s);
+    if (s->state.begun)
+      @_keep_blocks_rest(s);
+    else
+      @_keep_blocks_fresh(s);
 #if @_DELAYS > 0
-  @_keep_delays(s, s->state.begun);
+    @_keep_delays(s, s->state.begun);
 #endif
-  memcpy(s->state.u, s->next_u, sizeof s->next_u);
+    memcpy(s->state.u, s->next_u, sizeof s->next_u);
+#if @_EVENTS > 0
+    s->state.settled[0] = 0.0;
+#endif
+    s->shown = 0;
+  }
 #else
   (void)s;
 #endif
@@ -951,6 +957,16 @@ static int @_settle_events(@ *s) {
 }
 #endif
 
+void @_start_events(@ *s) {
+#if @_EVENTS > 0
+  int k;
+  @_look_at_events(s);
+  for (k = 0; k < @_EVENTS; ++k) s->state.event_side[k] = @_side(s->event_value[k]);
+#else
+  (void)s;
+#endif
+}
+
 void @_init(@ *s) {
 #if @_EVENTS > 0
   int k;
@@ -965,12 +981,9 @@ void @_init(@ *s) {
   memcpy(s->state.z, @_start_z, sizeof @_start_z);
   memcpy(s->state.u, @_start_u, sizeof @_start_u);
 #if @_EVENTS > 0
-  @_look_at_events(s);
-  for (k = 0; k < @_EVENTS; ++k) {
-    s->state.event_side[k] = @_side(s->event_value[k]);
-    s->state.when[k] = -1.0;
-  }
+  for (k = 0; k < @_EVENTS; ++k) s->state.when[k] = -1.0;
 #endif
+  @_start_events(s);
 }
 
 int @_set_input(@ *s, int input, double value) {
@@ -1068,6 +1081,8 @@ int @_step(@ *s) {
   }
 #if @_EVENTS > 0
   if (@_settle_events(s)) return @_ENDED;
+#elif @_RELAYS > 0
+  @_take_jumps(s);
 #endif
   return s->unconverged ? @_UNCONVERGED : @_OK;
 }

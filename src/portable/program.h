@@ -53,7 +53,7 @@ enum class Memory {
   delay_rate,   ///< and by which that changes with the time
   event_value,  ///< of events
   event_set,    ///< what they set inputs to
-  event_count,
+  event_count,  ///< of each event how often, and when it happened last
   event_time,
   algorithmic,
   flight,       ///< of what flies freely, at the start of a step: what it keeps

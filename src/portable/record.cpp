@@ -452,7 +452,6 @@ class Recorder {
   void record_flights() {
     const std::vector<FreeGroup> groups = free_groups(m_);
     if (groups.empty()) return;
-    constexpr int kept = 11, moved = 25;  // numbers of a group
     const auto momentum_of = [&](const FreeGroup& group) {
       return relative::momentum<T>(m_, w_, group.bodies, q_.data(), v_.data());
     };
@@ -462,9 +461,9 @@ class Recorder {
         any = any || slot >= m_.signals.first_moving || slots_[static_cast<std::size_t>(slot)].value != T(0);
       return any;
     };
-    const std::vector<T> at_start = p_.inputs(Memory::flight, kept * static_cast<int>(groups.size()));
+    const std::vector<T> at_start = p_.inputs(Memory::flight, flight_kept * static_cast<int>(groups.size()));
     const auto start_of = [&](std::size_t k) {
-      const T* from = at_start.data() + kept * k;
+      const T* from = at_start.data() + flight_kept * k;
       return flight::Start<T>{{from[0], from[1], from[2]},
                               {from[3], from[4], from[5]},
                               {from[6], from[7], from[8]},
@@ -478,7 +477,7 @@ class Recorder {
       const BodyData& root = m_.bodies[groups[k].root];
       out_->flights.push_back({root.q, root.v, groups[k].rigid});
       const flight::Start<T> start = flight::start_of<T>(momentum_of(groups[k]));
-      int at = kept * static_cast<int>(k);
+      int at = flight_kept * static_cast<int>(k);
       for (const Vec3<T>& x : {start.centre, start.velocity, start.angular})
         for (int c = 0; c < 3; ++c) p_.store(Memory::flight, at++, x[c]);
       p_.store(Memory::flight, at++, start.rotation);
@@ -504,9 +503,9 @@ class Recorder {
                                                                m_.gravity.cast<T>(), Vec3<T>::Zero(), step_);
       relative::shift_root<T>(m_, w_, groups[k].root, shift,
                               {q.data(), v.data(), a.data(), algorithmic.data()});
-      const RecordedCondition loaded = is_loaded(groups[k]) || at_start[kept * k + 10] > T(0.5);
+      const RecordedCondition loaded = is_loaded(groups[k]) || at_start[flight_kept * k + 10] > T(0.5);
       const BodyData& root = m_.bodies[groups[k].root];
-      int at = moved * static_cast<int>(k);
+      int at = flight_moved * static_cast<int>(k);
       const auto put = [&](const T& to, const T& from) {
         p_.store(Memory::flown, at++, select(loaded, from, to));
       };

@@ -22,6 +22,10 @@ struct MarkedElement {
   double small = 0;            ///< changes of its mark that ask for a new matrix
 };
 
+/// Of what flies freely: numbers that it keeps from the start of a step, and numbers of its root that are
+/// corrected at the end.
+inline constexpr int flight_kept = 11, flight_moved = 7 + 3 * 6;
+
 /// The floating joint of what flies freely: where its coordinates begin.
 struct RecordedFlight {
   int q, v;

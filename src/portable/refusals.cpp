@@ -103,13 +103,11 @@ class Refusals {
     if (d.fixed_loops)
       add("code is not made of signals that go around in loops by the time alone; write them as one formula");
     for (const spec::Block& b : m_.spec().blocks) {
-      if (b.outside) {
+      if (b.outside)
         add(b.mark,
             fmt::format("signal '{}' is computed by an FMU, whose code is not ours to write: leave it to "
                         "`mimbre run`, or write it as a block of the model file",
                         b.name));
-        continue;
-      }
     }
   }
 
@@ -138,8 +136,10 @@ std::vector<Diagnostic> exchange_refusals(const Compiled& m, const Method& metho
   all.add_of_model(method);
   const char* const instead = "write an FMU for co-simulation";
   for (const spec::Event& e : m.spec().events)
-    all.add(e.mark,
-            fmt::format("event '{}' ends steps of the library early, which FMUs do not support yet", e.name));
+    all.add(
+        e.mark,
+        fmt::format("event '{}' changes inputs or ends the run, which model exchange does not support; {}",
+                    e.name, instead));
   for (const ElementData& e : m.elements) {
     if (e.user || e.pooled || e.leg) continue;
     if (e.measure == Measure::contact)

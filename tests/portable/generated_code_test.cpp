@@ -281,6 +281,55 @@ simulation: {step: 2 ms}
   EXPECT_GT(seen["echo"].size(), 10u);
 }
 
+/// Relays that switch each other at one moment: by the motion, by a controller's instants, by an event; the
+/// last of them ends the run.
+TEST(GeneratedCode, RelaysSwitchEachOther) {
+  const auto model = model_of(R"yaml(
+bodies: {crank: {mass: 1, com: [0.5, 0, 0], inertia: [0.1, 0.1, 0.1]}}
+joints: {crank: {type: revolute, between: [ground, crank], at: [0, 0, 0], axis: [0, 1, 0], position: 0.3}}
+inputs: {kick: 0}
+signals:
+  angle: {joint: crank}
+  rate: {joint_velocity: crank}
+  seen: {joint_velocity: crank, every: 0.01}
+  r1: {hysteresis: rate, rises_at: 0.4, falls_at: -0.5}
+  r2: {hysteresis: r1, rises_at: 0.6, falls_at: 0.3}
+  r3: {hysteresis: r2, rises_at: 0.6, falls_at: 0.3}
+  s1: {hysteresis: seen, rises_at: 0.6, falls_at: -0.7}
+  s2: {hysteresis: s1 + 0*angle, rises_at: 0.6, falls_at: 0.3}
+  k1: {hysteresis: kick, rises_at: 0.5, falls_at: 0.3}
+  k2: {hysteresis: k1, rises_at: 0.5, falls_at: 0.3}
+  servo: {pid: angle, setpoint: r2 - 0.3*k2, kp: 2, ki: 3, kd: 0.05, filter: 0.04}
+actuators:
+  motor: {joint: crank, torque: "r1 - 2*r2 + 0.7*r3 + 0.4*s1 - 0.2*s2 + 0.3*k2 + 0.1*servo"}
+events:
+  far: {when: angle, crosses: 0.5, direction: rising, set: {kick: 1}}
+  last: {when: k2 + t/100, crosses: 1.015, stop: true}
+simulation: {step: 2 ms, end: 5}
+)yaml");
+  const GeneratedCode code = generate_code(model, {}, "relays");
+  Code made(code);
+  Simulation s(model, fixed_cost());
+  int status = 0;
+  std::map<std::string, std::set<double>> seen;
+  while (status <= 1 && s.time() < 5) {
+    ASSERT_TRUE(s.step().ok());
+    status = made.step();
+    for (std::size_t k = 0; k < code.outputs.size(); ++k) {
+      const double value = s.value(channel_of(s, code.outputs[k]));
+      ASSERT_NEAR(made.output(static_cast<int>(k)), value, 1e-12) << code.outputs[k].name << " " << s.time();
+      seen[code.outputs[k].name].insert(value);
+    }
+    // All at once.
+    EXPECT_EQ(s.value(s.channel("signal.r1")), s.value(s.channel("signal.r3")));
+    EXPECT_EQ(s.value(s.channel("signal.s1")), s.value(s.channel("signal.s2")));
+    EXPECT_EQ(s.value(s.channel("input.kick")), s.value(s.channel("signal.k2")));
+  }
+  EXPECT_TRUE(s.stopped());
+  EXPECT_EQ(status, 7);
+  for (const char* name : {"r3", "s2", "k2"}) EXPECT_EQ(seen[name].size(), 2u) << name;
+}
+
 /// Events of time, motion, forces and inputs, which make others happen; the last ends the run.
 TEST(GeneratedCode, LetsEventsHappen) {
   const auto model = model_of(R"yaml(

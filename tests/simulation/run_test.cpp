@@ -74,6 +74,27 @@ TEST(Run, EndsWhereLongerRunsPass) {
   EXPECT_EQ(part.save().bytes(), whole.save().bytes());
 }
 
+/// An event that ends the run with a step's end has not cut that step short.
+TEST(Run, CountsTheStepThatAnEventEnds) {
+  const auto model = model_of(R"(
+bodies: {ball: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {way: {type: prismatic, between: [ground, ball], at: [0, 0, 0], axis: [0, 0, 1]}}
+events: {late: {when: t, crosses: 0.0995, stop: true}}
+simulation: {step: 0.001, end: 1}
+)");
+  for (const bool fixed : {false, true}) {
+    RunOptions options;
+    options.fixed_cost = fixed;
+    Simulation simulation(model, options);
+    const RunPlan plan = plan_run(1, 0, 0.001);
+    RunTotals totals;
+    ASSERT_TRUE(advance(simulation, plan, plan.steps, totals).ok());
+    EXPECT_TRUE(simulation.stopped());
+    EXPECT_EQ(totals.steps, fixed ? 100 : 99);
+    EXPECT_NEAR(simulation.time(), fixed ? 0.1 : 0.0995, 1e-9);
+  }
+}
+
 /// The last step, shorter than the others, is as accurate as they are: the end is where a finer run comes to.
 TEST(Run, EndsAtItsEnd) {
   const auto model = example("bricard/mechanism.yaml");

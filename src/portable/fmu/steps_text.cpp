@@ -169,9 +169,11 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
 
 /* Leaves initialization mode. */
 static int @_fmu_run(@_fmu *f) {
-#if @_FMU_LIBRARY
   if (!@_fmu_turn(f, @_FMU_STARTS)) return @_FMU_ERROR;
+#if @_FMU_LIBRARY
   if (@_start(&f->model) != @_MADE) return @_fmu_wrong(f, @_message(&f->model));
+#else
+  @_start_events(&f->model);
 #endif
   return @_fmu_go(f, @_FMU_STARTS, f->uses_events ? @_FMU_EVENTS : @_FMU_RUNS);
 }
@@ -187,7 +189,11 @@ static int @_fmu_step_failed(@_fmu *f, int status) {
   p->between = 0;
   p->now = p->begin + p->steps*@_FMU_STEP;
   p->ended = status == @_FMU_ENDED;
-  if (p->ended) p->now = p->begin + (@_time(&f->model) - p->first);
+  if (p->ended) {
+    const double whole = p->now + (1.0 - 1e-6)*@_FMU_STEP;
+    p->now = p->begin + (@_time(&f->model) - p->first);
+    if (p->now > whole) p->steps += 1.0; /* the step was made to its end */
+  }
 #if @_FMU_LIBRARY
   return @_fmu_tell(f, @_FMU_DISCARD, @_message(&f->model));
 #else

@@ -15,10 +15,8 @@ constexpr double event_resolution(double step, double time) {
   return std::max(1e-7 * step, 4 * std::numeric_limits<double>::epsilon() * time);
 }
 
-/// How often at one moment events make others happen.
-struct EventChain {
-  static constexpr int longest = 8;
-};
+/// How often at one moment events make others happen, and relays make others switch.
+constexpr int longest_chain = 8;
 
 /// Makes a step in which events may happen: where one does, a part of the step ends there, and what follows
 /// from it acts from there on. Whether one happened shows at the end of a part, by the side of zero that its
@@ -80,7 +78,7 @@ class EventStep {
   bool settle() {
     host_.take_jumps();
     host_.see([&](auto&, auto& system, auto&) { events_.see_relays(system); });
-    for (int k = 0; look() && k < EventChain::longest; ++k) {
+    for (int k = 0; look() && k < longest_chain; ++k) {
       if (host_.see([&](auto&... seen) { return events_.happen(seen..., step_, mechanism_.state); }))
         stopped_ = true;
       mechanism_.enter(0);

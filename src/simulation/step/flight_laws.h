@@ -35,7 +35,7 @@ Mat3<T> restoring_turn(const Mat3<T>& inertia, const Vec3<T>& angular, const T& 
     const Rotation<T> r = rotation_of<T>(turn * inertia * turn.transpose(), angular);
     const T slope = r.gain.squaredNorm();
     const Vec3<T> theta = (energy - r.energy) / slope * r.gain;
-    // More than that is not the error of a step.
+    // A larger turn would not be the error of a step.
     turn = choose(
         slope > T(steady * steady) * r.energy * r.energy && theta.squaredNorm() < T(0.01),
         [&] { return Mat3<T>(rotation_exp<T>(theta) * turn); }, [&] { return turn; });

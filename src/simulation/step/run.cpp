@@ -64,11 +64,13 @@ StepReport advance(Simulation& simulation, const RunPlan& plan, std::int64_t unt
   StepReport report;
   const double start = thread_cpu_seconds();
   while (totals.steps < until && !(stop && stop())) {
+    const double from = simulation.time();
     report = totals.steps + 1 < plan.steps ? simulation.step() : simulation.step_to(plan.end);
     totals.iterations += report.iterations;
     totals.factorisations += report.factorisations;
     if (!report.ok()) break;
-    if (!simulation.stopped()) ++totals.steps;
+    // One that an event ends early counts when the rest of it is made.
+    if (!simulation.stopped() || simulation.time() - from > 0.999999 * simulation.step_size()) ++totals.steps;
     if (report.substeps > 1) ++totals.repeated_steps;
     if (report.unconverged) ++totals.unconverged_steps;
     totals.violations.raise(report);

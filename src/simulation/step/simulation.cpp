@@ -115,13 +115,16 @@ struct Simulation::Impl {
     return sampler.sample(channels, evaluated, reactions.state(), method.step, mechanism.state);
   }
 
-  /// What has jumped since the last step is what blocks start from.
+  /// What has jumped since the last step is what blocks start from; where a relay switches by that, its
+  /// output has jumped, too.
   void take_jumps() {
-    if (!inputs_jumped(compiled, mechanism.state)) return;
-    mechanism.enter(0);
-    look_anew();
-    show_forces();
-    commit_blocks(compiled, mechanism.observer, mechanism.state);
+    for (int k = 0; k < longest_chain && inputs_jumped(compiled, mechanism.state); ++k) {
+      mechanism.enter(0);
+      look_anew();
+      show_forces();
+      commit_blocks(compiled, mechanism.observer, mechanism.state);
+      look_anew();
+    }
   }
 
   void watch() { observers.watch(mechanism, steps.meter(), steps.length()); }
