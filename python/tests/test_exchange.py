@@ -2,6 +2,7 @@
 
 import json
 import random
+import shutil
 import signal
 import socket
 import subprocess
@@ -11,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import mimbre
 import pytest
 from mimbre.exchange import SharedPeer, UdpPeer
 
@@ -102,3 +104,63 @@ def test_shared_memory_hands_values_both_ways(rod: str, tmp_path: Path) -> None:
 def test_nobody_answers() -> None:
     with pytest.raises(TimeoutError, match="no simulation answers"):
         UdpPeer(("127.0.0.1", free_port()), timeout=0.3)
+
+
+def test_code_takes_part_as_a_simulation_does(tmp_path: Path) -> None:
+    """The example of hardware in the loop: generated code, and a controller at its port."""
+    compiler = shutil.which("cc")
+    if not compiler:
+        pytest.skip("there is no C compiler")
+    repository = Path(__file__).resolve().parents[2]
+    model = mimbre.Model.from_text(
+        """
+        mimbre: 1
+        bodies: {slider: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+        joints: {guide: {type: prismatic, between: [ground, slider], at: [0, 0, 0], axis: [1, 0, 0]}}
+        inputs: {push: 0, other: 0}
+        actuators: {motor: {joint: guide, force: push}}
+        outputs: [{name: place, joint: guide}, {name: speed, joint_velocity: guide}]
+        simulation: {step: 2 ms}
+        """
+    )
+    model.generate(tmp_path / "code", name="model")
+    source = repository / "examples/hardware-in-the-loop/loop.c"
+    includes = [f"-I{repository / 'include'}", f"-I{tmp_path / 'code'}"]
+    program = tmp_path / "loop"
+    strict = ["-std=c11", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+    code = tmp_path / "code/model.c"
+    subprocess.run([compiler, *strict, *includes, source, code, "-o", program, "-lm"], check=True)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    words = [program, "-u", str(port), "-d", "60"]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        with UdpPeer(("127.0.0.1", port), timeout=patience) as peer:
+            assert peer.outputs == ("place", "speed")
+            assert peer.inputs == ("push", "other")
+            before, gains = None, []
+            for _ in range(200):
+                got = peer.receive()
+                assert got is not None
+                if before is not None:
+                    gains.append((got["speed"] - before["speed"]) / (got.time - before.time))
+                    assert got.sequence - before.sequence == round((got.time - before.time) / 0.002)
+                peer.send({"push": 3.0}, answers=got.sequence)
+                before = got
+            assert gains[-1] == pytest.approx(1.5, rel=1e-9)
+            assert gains[0] <= 1.5
+            # Packets that make no sense change nothing.
+            peer._socket.send(b"nonsense")
+            peer.send({"push": float("nan")})
+            for _ in range(20):
+                got = peer.receive()
+                assert got is not None
+            assert (got["speed"] - before["speed"]) / (got.time - before.time) == pytest.approx(1.5, rel=1e-9)
+        process.send_signal(signal.SIGINT)
+        out, error = process.communicate(timeout=patience)
+        assert process.returncode == 0, error
+        assert "computation of a step" in out
+        assert "delay of a step's start" in out
+    finally:
+        process.kill()

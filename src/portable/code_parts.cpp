@@ -94,6 +94,36 @@ std::string variable_names(const GeneratedCode& code) {
   return h;
 }
 
+namespace {
+
+/// A string of C.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text)
+    if (c == '"' || c == '\\' || c == '?')  // ??x may be another character
+      out += std::string("\\") + c;
+    else
+      out += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  return out + '"';
+}
+
+}  // namespace
+
+std::string variable_lists(const GeneratedCode& code) {
+  std::string h = "\n/* Their names and units, each with a comma behind it. */\n";
+  const auto list = [&](const char* word, const std::vector<GeneratedVariable>& variables,
+                        std::string GeneratedVariable::*text) {
+    h += fmt::format("#define {}_{}", upper_case(code.name), word);
+    for (const GeneratedVariable& v : variables) h += " \\\n  " + quoted(v.*text) + ",";
+    h += "\n";
+  };
+  list("INPUT_NAMES", code.inputs, &GeneratedVariable::name);
+  list("INPUT_UNITS", code.inputs, &GeneratedVariable::unit);
+  list("OUTPUT_NAMES", code.outputs, &GeneratedVariable::name);
+  list("OUTPUT_UNITS", code.outputs, &GeneratedVariable::unit);
+  return h;
+}
+
 std::string held_inputs(const Compiled& m, const GeneratedCode& code) {
   if (code.inputs.empty()) return "";
   std::string s = named(

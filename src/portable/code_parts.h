@@ -22,6 +22,8 @@ std::string comment(std::string text);
 void name_variables(const Compiled& m, const State& start, const RecordedModel& recorded, GeneratedCode& out);
 /// The part of a header that has these names.
 std::string variable_names(const GeneratedCode& code);
+/// The same as lists for programs that need them when they run.
+std::string variable_lists(const GeneratedCode& code);
 /// The table of where inputs are held, and their ranges.
 std::string held_inputs(const Compiled& m, const GeneratedCode& code);
 

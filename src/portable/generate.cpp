@@ -233,7 +233,7 @@ class Generator {
     h += fmt::format("#define {}_OPERATIONS {}L /* in a step at most */\n", upper(), out_.operations);
     h += fmt::format("#define {}_INPUTS {}\n#define {}_OUTPUTS {}\n\n", upper(), out_.inputs.size(), upper(),
                      out_.outputs.size());
-    h += variable_names(out_);
+    h += variable_names(out_) + variable_lists(out_);
     h += fmt::format(
         "\n/* What a step returns. Up to {0}_UNCONVERGED it was made; but for {0}_ENDED the state is else as "
         "before. */\n"
