@@ -233,6 +233,39 @@ def critical_speed(runner: Runner) -> str:
     return table(["speed by the rod's frequency", "closed form, mm", *(f"{way.name}, mm" for way in ways)], rows)
 
 
+def stiff_limit(runner: Runner) -> str:
+    """The rod stiffer and stiffer, once its vibrations have gone: by how much ways differ from geometric stiffness."""
+    file = EXAMPLES / "slider-crank/slider-crank.yaml"
+    extra = "outputs:\n  - {name: end.deflection, deflection: rod.small_end, along: [0, 0, 1]}\n"
+    reference = Way("with geometric stiffness", {"approach": "geometric_stiffness"})
+    ways = [
+        Way("floating frame", {"approach": "floating_frame"}),
+        Way("elastodynamics", {"approach": "elastodynamics"}),
+        Way("global modes", {"approach": "floating_frame"}, options=GLOBAL_MODES),
+    ]
+
+    def bend(way: Way, options: str) -> list[float]:
+        columns = runner.run(file, way, options, extra).columns
+        values = [a - 0.5 * b for a, b in zip(columns["rod.deflection"], columns["end.deflection"], strict=True)]
+        return values[130:]
+
+    rows: list[list[str]] = []
+    before = [0.0] * len(ways)
+    for stiffer in (1, 4, 16, 64):
+        root = math.sqrt(stiffer)
+        options = f"--set young={2.1e11 * stiffer} --set damping={2e-4 / root} --set step={2e-5 / root}"
+        options += " --set interval=0.001 --until 0.25 --tolerance 1e-10"
+        exact = bend(reference, options)
+        size = max(abs(x) for x in exact)
+        row = [str(stiffer), f"{1e3 * size:.3g}"]
+        for k, way in enumerate(ways):
+            off = max(abs(a - b) for a, b in zip(bend(way, options), exact, strict=True)) / size
+            row += [percent(off), f"{math.log(before[k] / off, 4):.2f}" if before[k] else ""]
+            before[k] = off
+        rows.append(row)
+    return table(["stiffness", "bend, mm", *(head for way in ways for head in (way.name, "order"))], rows)
+
+
 def spin_up(runner: Runner) -> tuple[str, str]:
     file = EXAMPLES / "spin-up-beam/beam-2d.yaml"
     ways = [
@@ -395,7 +428,8 @@ def page(runner: Runner, folder: pathlib.Path) -> str:
     ]
     text = (TOP / "bench/which_formulation.md").read_text()
     parts = {
-        "CRANK": crank, "CRITICAL": critical_speed(runner), "SPIN_UP": spin, "FREQUENCIES": frequencies(runner),
+        "CRANK": crank, "CRITICAL": critical_speed(runner), "STIFF": stiff_limit(runner),
+        "SPIN_UP": spin, "FREQUENCIES": frequencies(runner),
         "FOUR_BAR": four_bar,
         "SUSPENSION": vehicles[0], "VEHICLE": vehicles[1], "BASES": arms, "BASES_VEHICLE": cars,
         "LUMPED": lumped(runner), "SPIN_UP_IN_SPACE": spin_up_in_space(runner),

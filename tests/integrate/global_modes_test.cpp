@@ -2,8 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <vector>
 
 #include "integrate/global_modes/spline.h"
@@ -101,12 +99,8 @@ outputs:
 
 /// A slider–crank whose rod is damped so much that it only bends as it is loaded.
 std::shared_ptr<const Model> damped_crank(std::map<std::string, std::string> set) {
-  const std::string place = std::string(MIMBRE_SOURCE_DIR) + "/examples/slider-crank";
-  std::ifstream file(place + "/slider-crank.yaml");
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  const std::string damping = "stiffness_damping: 1e-5";
-  text.replace(text.find(damping), damping.size(), "stiffness_damping: 2e-3");
-  return Model::compile(parse_model(text, "slider-crank.yaml", place, set));
+  set["damping"] = "2e-3";
+  return example("slider-crank/slider-crank.yaml", set);
 }
 
 /// Its rod through several turns of the crank. From the floating frame it differs by what goes with the axial
