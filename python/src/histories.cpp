@@ -4,6 +4,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "bindings.h"
@@ -35,6 +36,17 @@ struct Histories {
     time[rows_++] = simulation.time();
   }
 
+  /// A run that an event has ended has fewer rows than were planned.
+  void cut() {
+    const std::size_t planned = time.size();
+    if (rows_ == planned) return;
+    for (std::size_t k = 1; k < channels_.size(); ++k)
+      std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(k * planned), rows_,
+                  values.begin() + static_cast<std::ptrdiff_t>(k * rows_));
+    values.resize(channels_.size() * rows_);
+    time.resize(rows_);
+  }
+
  private:
   std::vector<Simulation::Channel> channels_;
   std::size_t rows_ = 0;
@@ -64,6 +76,7 @@ Histories histories(const LoadedModel& loaded, const MethodChoice& method, std::
     const RunEnding ending = simulate(simulation, asked.plan, inputs, *found, totals, attention, [&] {
       return stop.wanted.load(std::memory_order_relaxed) || attention.stop();
     });
+    found->cut();
     found->status = ending.status;
     found->message = ending.message;
     found->cpu_seconds = totals.cpu_seconds;
@@ -100,7 +113,8 @@ void bind_histories(nb::module_& module) {
           "values",
           [](Self self) {
             const auto& h = nb::cast<const Histories&>(self);
-            return View2(h.values.data(), {h.values.size() / h.time.size(), h.time.size()}, self);
+            return View2(h.values.data(),
+                         {h.time.empty() ? 0 : h.values.size() / h.time.size(), h.time.size()}, self);
           },
           nb::rv_policy::automatic, "Channels × instants.");
   module.def("check_run", &check_run, nb::arg("model"), nb::arg("method"), nb::arg("until").none());

@@ -281,3 +281,31 @@ def test_a_dask_cluster_that_loses_a_worker_loses_no_row(model):
         data = mimbre.sweep(model, rows, executor=client, until=5, progress=kill)
     assert not victims
     xr.testing.assert_identical(data, mimbre.sweep(model, rows, until=5))
+
+
+def test_runs_that_an_event_ends_keep_their_rows_alone(tmp_path) -> None:
+    model = mimbre.Model.from_text(
+        """
+        mimbre: 1
+        parameters: {v0: 1}
+        bodies: {b: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+        joints: {p: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [1, 0, 0], velocity: [v0]}}
+        outputs: [{name: place, joint: p}, {name: speed, joint_velocity: p}]
+        events: {there: {when: place, crosses: 0.5, direction: rising, stop: true}}
+        simulation: {step: 0.1, end: 2}
+        """
+    )
+    speeds = [2.0, 0.1, 1.0, 0.2, 0.87]
+    found = mimbre.sweep(model, {"v0": speeds}, reduce=["last", "min"])
+    ends = [min(0.5, 2 * v) for v in speeds]
+    assert np.allclose(found["place"].sel(reduction="last"), ends, atol=1e-6)
+    assert np.allclose(found["speed"].sel(reduction="min"), speeds, atol=1e-9)
+    found = mimbre.sweep(model, {"v0": speeds}, reduce="history")
+    assert (found["status"] == "ok").all()
+    assert np.allclose(found["time"], 0.1 * np.arange(21))
+    for v in speeds:
+        history = found["place"].sel(v0=v).values
+        exact = v * found["time"].values
+        there = exact < 0.5 + 1e-9
+        assert np.allclose(history[there], exact[there], atol=1e-9)
+        assert np.isnan(history[~there]).all()

@@ -76,3 +76,40 @@ def test_the_program_says_the_same(column, tmp_path):
     lines = table.read_text().splitlines()
     assert lines[0] == "branch,factor,unstable,point,angle"
     assert len(lines) == 1 + sum(len(b.factors) for b in path.branches)
+
+
+ON_A_SPRING = """
+mimbre: 1
+bodies: {b: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {p: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [0, 0, 1], spring: {stiffness: 100}}}
+outputs: [{name: z, joint: p}]
+signals:
+  place: {joint: p}
+  pull: PULL
+actuators: {m: {joint: p, force: "-pull"}}
+simulation: {step: 0.002}
+"""
+
+
+def test_events_do_not_happen_at_rest() -> None:
+    text = ON_A_SPRING.replace("PULL", "0") + "events: {low: {when: place, crosses: -1}}\n"
+    found = mimbre.static(mimbre.Model.from_text(text))
+    assert found["z"] == pytest.approx(-2 * 9.81 / 100, rel=1e-9)
+    assert not found.warnings
+
+
+@pytest.mark.parametrize(
+    ("signal", "moves"),
+    [
+        ("{transfer_function: place, numerator: [30], denominator: [0.1, 1]}", True),
+        ("{transfer_function: place, numerator: [30], denominator: [1, -0.5], every: 0.01}", True),
+        ('{value: "-50*place", every: 0.01}', True),
+        ("{state_space: ['2 + 0*place'], A: [[-10]], B: [[10]], C: [[1]], initial: [2]}", False),
+        ("{delay: place, time: 0.1}", False),
+        ("{hysteresis: place, rises_at: 0.1, falls_at: -0.1}", False),
+        ("30*place", False),
+    ],
+)
+def test_signals_that_would_not_stay_are_named(signal: str, moves: bool) -> None:
+    found = mimbre.static(mimbre.Model.from_text(ON_A_SPRING.replace("PULL", signal)))
+    assert any("'pull' would not stay" in warning for warning in found.warnings) == moves, found.warnings

@@ -107,3 +107,47 @@ def test_a_dead_centre_is_named():
 def test_refuses(arguments, message):
     with pytest.raises((mimbre.InputError, mimbre.UnknownName), match=message):
         driven("t").inverse_dynamics(**arguments)
+
+
+def test_drives_follow_filters_from_the_beginning() -> None:
+    """A first-order lag of the time: t − (1 − exp(−10 t))/10."""
+    model = mimbre.Model.from_text(
+        """
+        mimbre: 1
+        gravity: [0, 0, 0]
+        bodies: {b: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+        joints: {p: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [1, 0, 0], drive: {position: f.y}}}
+        signals: {f: {state_space: [t], A: [[-10]], B: [[10]], C: [[1]], outputs: [y]}}
+        outputs: [{name: x, joint: p}]
+        simulation: {step: 0.01, end: 1}
+        """
+    )
+    for start in (0.0, 0.5):
+        for steps in (7, 200):
+            moved = model.kinematics(start=start, end=1, steps=steps)
+            exact = moved.time - 0.1 * (1 - np.exp(-10 * moved.time))
+            assert np.abs(moved.position[:, 0] - exact).max() < 1e-12
+            forces = model.inverse_dynamics(start=start, end=1, steps=steps)
+            assert np.abs(forces.force[:, 0] - 2 * 10 * np.exp(-10 * forces.time)).max() < 1e-9
+
+
+def test_events_and_sampled_signals_count_where_all_is_prescribed() -> None:
+    model = mimbre.Model.from_text(
+        """
+        mimbre: 1
+        gravity: [0, 0, 0]
+        inputs: {f: 0}
+        bodies: {b: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+        joints: {p: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [1, 0, 0], drive: {position: t}}}
+        signals: {x1: {joint: p}, seen: {value: x1, every: 0.1}}
+        events: {half: {when: x1, crosses: 0.55, set: {f: 7}}}
+        actuators: {m: {joint: p, force: "f + 10*seen"}}
+        simulation: {step: 0.01, end: 1}
+        """
+    )
+    found = model.inverse_dynamics(start=0.05, end=0.95, steps=9)
+    exact = [-(7 * (t > 0.55) + 10 * np.floor(10 * t + 1e-6) / 10) for t in found.time]
+    apart = np.abs(found.force[:, 0] - exact)
+    assert apart[np.abs(found.time - 0.55) > 0.01].max() < 1e-6
+    held = model.inverse_dynamics(start=0.05, end=0.95, steps=9, flexible="quasistatic")
+    assert any("events do not happen here" in warning for warning in held.warnings)

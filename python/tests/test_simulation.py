@@ -244,3 +244,49 @@ def test_energy_pose_and_names(pendulum):
     assert "angle" in sim.channel_names()
     assert "0.3" in repr(sim)
     assert sim.model is pendulum
+
+
+def test_a_contact_after_free_flight_goes_on_with_the_same_bits() -> None:
+    model = mimbre.Model.from_text(
+        """
+        mimbre: 1
+        bodies: {b: {mass: 2, com: [0, 0, 0.5], inertia: [0.01, 0.01, 0.01]}}
+        joints: {f: {type: floating, between: [ground, b], at: [0, 0, 0.5], velocity: [1, 0, 0, 0, 0, 0]}}
+        surfaces: {floor: {type: half_space}}
+        contacts:
+          c:
+            spheres: {on: b, at: [[0, 0, 0.5]], radius: 0.1}
+            surfaces: [floor]
+            stiffness: 1e5
+            restitution: 0.5
+        simulation: {step: 0.005, end: 1}
+        """
+    )
+    for method in ({"integrator": "conserve"}, {"integrator": "newmark"}, {"substeps": 1}, {}):
+        straight = model.simulation(**method)
+        states = [straight.save()]
+        for _ in range(80):
+            straight.step()
+            states.append(straight.save())
+        for begin in (0, 30, 55, 57):
+            other = model.simulation(**method)
+            other.restore(states[begin])
+            for k in range(begin + 1, 81):
+                other.step()
+                assert other.save() == states[k], (method, begin, k)
+
+
+def test_a_delay_is_as_fine_as_the_steps() -> None:
+    text = """
+        mimbre: 1
+        gravity: [0, 0, 0]
+        bodies: {b: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+        joints: {p: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [1, 0, 0], velocity: 1}}
+        signals: {place: {joint: p}, late: {delay: place, time: 0.137}}
+        actuators: {m: {joint: p, force: "-8*late - 10*place"}}
+        outputs: [{name: x, joint: p}]
+        simulation: {step: STEP, end: 2}
+        """
+    fine = mimbre.Model.from_text(text.replace("STEP", "0.00025")).run()
+    coarse = mimbre.Model.from_text(text.replace("STEP", "0.1")).run(step=0.00025)
+    assert np.abs(fine["x"][-1] - coarse["x"][-1]) < 1e-10

@@ -138,6 +138,12 @@ class InverseProblem {
   void find_forces(State& s, InverseDynamics& out, Eigen::Index instant);
   void follow_dynamically(const std::vector<double>& times, InverseDynamics& out);
   void judge(InverseDynamics& out) const;
+  /// Events, and what is evaluated at instants: both happen in runs alone.
+  bool acts_at_instants() const {
+    return !m_.spec().events.empty() || !m_.signals.sampled.empty() ||
+           std::any_of(m_.elements.begin(), m_.elements.end(),
+                       [](const ElementData& e) { return e.sampled; });
+  }
   void observe(State& s, InverseDynamics& out, Eigen::Index instant);
   MatrixXd free_motions(const State& s) {
     const MatrixXd jacobian = motion_.jacobian(s);
@@ -308,6 +314,7 @@ void InverseProblem::observe(State& s, InverseDynamics& out, Eigen::Index instan
 }
 
 /// By a run of the model with its drives.
+/// By a run, where something moves by its dynamics, or happens at instants.
 void InverseProblem::follow_dynamically(const std::vector<double>& times, InverseDynamics& out) {
   RunOptions run;
   run.formulation = spec::Simulation::Formulation::relative;
@@ -353,6 +360,7 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times) {
     x->setZero(count, static_cast<Eigen::Index>(drives_.size()));
 
   State s = assembled_state(m_, system_, options_.inputs);
+  const State first = s;
   s.time = times.front();
   place(s);
   const Redundancy redundancy = find_redundancy(system_, s);
@@ -361,7 +369,12 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times) {
   out.header = rows_.header("");
   out.free = static_cast<int>(free_motions(s).cols());
   const bool forces_alone = driven_.forces != driven_.prescribed;
-  if (out.free > 0 && options_.flexible == Options::Flexible::dynamic) {
+  const bool runs = options_.flexible == Options::Flexible::dynamic &&
+                    (out.free > 0 || (acts_at_instants() && !forces_alone));
+  if (acts_at_instants() && !runs)
+    out.warnings.emplace_back(
+        "events do not happen here, and signals with 'every' keep what they are at the start");
+  if (runs) {
     if (forces_alone)
       throw InputError(Mark{},
                        fmt::format("{} independent motion{} are prescribed by nothing, and forces are "
@@ -373,24 +386,34 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times) {
     return out;
   }
   const bool remembers = s.z.size() > 0 || s.u.size() > 0;
-  for (std::size_t k = 0; k < times.size(); ++k) {
-    const double h = k > 0 ? times[k] - times[k - 1] : 0;
-    if (k > 0) {
+  const auto go = [&](double to, Eigen::Index instant) {
+    const double h = to - s.time;
+    if (h > 0) {
       const VectorXd x = h * s.v + 0.5 * h * h * s.a;
       VectorXd q = s.q;
       system_.retract(s.q.data(), x.data(), q.data());
       s.q = q;
     }
-    s.time = times[k];
+    s.time = to;
     if (remembers) system_.enter(s.u.data(), s.z.data(), h);
     place(s);
     if (out.free > 0) balance(s);
-    observe(s, out, static_cast<Eigen::Index>(k));
+    if (instant >= 0)
+      observe(s, out, instant);
+    else
+      forces(s);
     if (remembers) {
       commit_signals(m_, system_, s);
       system_.enter(s.u.data(), s.z.data(), 0);
     }
+  };
+  // Blocks remember from 0 on.
+  if (m_.signals.clock >= 0 && times.front() > 0) {
+    s = first;
+    const double parts = std::ceil(times.front() / m_.spec().simulation.step);
+    for (int k = 0; k < static_cast<int>(parts); ++k) go(times.front() * k / parts, -1);
   }
+  for (std::size_t k = 0; k < times.size(); ++k) go(times[k], static_cast<Eigen::Index>(k));
   judge(out);
   if (out.redundant > 0)
     out.warnings.push_back(fmt::format(

@@ -13,6 +13,7 @@
 #include "mimbre/diagnostics.h"
 #include "simulation/start/assembly.h"
 #include "simulation/start/redundancy.h"
+#include "simulation/step/signal_state.h"
 
 namespace mimbre {
 namespace {
@@ -42,6 +43,14 @@ class Walk {
       for (int k = 0; k < scalars; ++k)
         if (b.joint_spec >= 0) coordinates_.push_back({{b.joint_spec, k}, b.q + k, b.v + k});
       joint_columns_.push_back({b.v, b.joint_velocities});
+    }
+    for (const SignalsData::Computed& made : m_.signals.fixed) {
+      if (made.block < 0) continue;
+      const SignalsData::Block& block = m_.signals.blocks[made.block];
+      if (block.every > 0) continue;
+      remembers_.resize(m_.signals.start.size());
+      std::fill_n(remembers_.begin() + block.held, block.memory(), 1);
+      std::fill_n(remembers_.begin() + m_.signals.clock, 2, 1);
     }
   }
 
@@ -75,6 +84,11 @@ class Walk {
   double least_value(const State& s, VectorXd* motion = nullptr);
   void count(const State& s, Kinematics& out);
   bool go(State& s, double to);
+  bool go_at_once(State& s, double to);
+  /// Evaluations are of what this state remembers from here on, h after it.
+  void enter(const State& s, double h);
+  /// Blocks of the time that drives may follow remember the instant of the last evaluation.
+  void remember(State& s);
   void look_for_singular(const State& before, double width, Kinematics& out);
   void look_for_reversals(const std::vector<State>& states, Kinematics& out);
   void look_for_reversal(const State& before, const State& after, const Coordinate& of, double largest,
@@ -89,7 +103,9 @@ class Walk {
   ObservedRows rows_;
   std::vector<Coordinate> coordinates_;
   std::vector<std::pair<int, int>> joint_columns_;
-  int rank_ = 0;  ///< of the Jacobian with drives
+  int rank_ = 0;                 ///< of the Jacobian with drives
+  std::vector<char> remembers_;  ///< by number of State::u: it is a block's of the time
+  VectorXd u_, z_;               ///< that are entered
 };
 
 double Walk::least_value(const State& s, VectorXd* motion) {
@@ -132,15 +148,44 @@ void Walk::count(const State& s, Kinematics& out) {
   out.free_joints.assign(names.begin(), names.end());
 }
 
+void Walk::enter(const State& s, double h) {
+  u_ = s.u;
+  z_ = s.z;
+  system_.enter(u_.data(), z_.data(), h);
+}
+
+void Walk::remember(State& s) {
+  if (remembers_.empty()) return;
+  const VectorXd before = s.u;
+  commit_blocks(m_, system_, s);
+  for (Eigen::Index k = 0; k < s.u.size(); ++k)
+    if (!remembers_[static_cast<std::size_t>(k)]) s.u[k] = before[k];
+  enter(s, 0);
+}
+
 /// From the state to another instant; false, and the state stays, where the loops do not close near it.
+/// Blocks are followed by steps of the model.
 bool Walk::go(State& s, double to) {
+  const double parts =
+      remembers_.empty() ? 1 : std::ceil((to - s.time) / m_.spec().simulation.step * (1 - 1e-9));
+  if (!(parts > 1)) return go_at_once(s, to);
+  State next = s;
+  for (int k = 1; k <= static_cast<int>(parts); ++k)
+    if (!go_at_once(next, s.time + (to - s.time) * k / parts)) return false;
+  s = next;
+  return true;
+}
+
+bool Walk::go_at_once(State& s, double to) {
   State next = s;
   const double h = to - s.time;
+  if (!remembers_.empty()) enter(s, h);
   const VectorXd x = h * s.v + 0.5 * h * h * s.a;
   system_.retract(s.q.data(), x.data(), next.q.data());
   next.time = to;
   const double moved = system_.scales().of_coordinates(x.data());
   if (!motion_.close(next) || motion_.change() > 0.05 + 0.5 * moved) return false;
+  remember(next);
   s = next;
   return true;
 }
@@ -275,6 +320,7 @@ State Walk::begin(double end) {
   State s = assembled_state(m_, system_, options_.inputs);
   // To the start by steps, as far as that goes.
   bool moving = motion_.close(s);
+  remember(s);
   for (int k = 1; moving && options_.start > 0 && k <= 100; ++k) moving = go(s, options_.start * k / 100);
   if (!moving)
     throw InputError({m_.spec().file, 0, 0},
@@ -351,6 +397,7 @@ void Walk::record(const std::vector<State>& states, Kinematics& out) {
       out.velocity(k, column) = now.v[coordinates_[c].v];
       out.acceleration(k, column) = now.a[coordinates_[c].v];
     }
+    if (!remembers_.empty()) enter(now, 0);
     system_.begin_step(now.q.data());
     system_.kinematics(now.time, now.q.data(), now.v.data(), now.a.data());
     out.rows.push_back(rows_.row(system_, now));

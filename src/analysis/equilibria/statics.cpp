@@ -1,7 +1,11 @@
 #include "mimbre/statics.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <stdexcept>
 
+#include "analysis/equilibria/moving_signals.h"
 #include "analysis/equilibria/sample_at_rest.h"
 #include "base/cpu_time.h"
 #include "simulation/describe/explain.h"
@@ -30,6 +34,11 @@ StaticResult static_equilibrium(std::shared_ptr<const Model> model, const RunOpt
   warn(explain_instability(m, natural.get(), status));
   const AtRest at_rest = sample_at_rest(m, system, s);
   for (const std::string& text : at_rest.warnings) warn(text);
+  if (const auto moving = moving_signals(m, system, s); !moving.empty())
+    warn(fmt::format(
+        "{} '{}' would not stay: the equilibrium is that with what filters, controllers and sampled "
+        "signals remember at the start, from which a run moves on",
+        moving.size() > 1 ? "signals" : "signal", fmt::join(moving, "', '")));
   result.channels = at_rest.channels;
   result.values = at_rest.values;
   result.output_count = at_rest.output_count;

@@ -212,6 +212,8 @@ void RelativeSystem::transfer_matrix(StateTransfer& transfer) {
   }
   tangents_.transfer(transfer);
   factor_.transfer(transfer);
+  // Rows of contacts that begin are made with the motion of now, but with these.
+  for (double& x : work_.subspaces) transfer(x);
   for (double& x : work_.jacobian) transfer(x);
   if (!transfer.restoring()) return;
   ++matrices_;

@@ -107,11 +107,11 @@ struct Delay {
   }
   static bool feeds_through(const spec::Block&) { return false; }
   /// Points: three and more per step, so that halved steps and jumps at their ends fit, but never more than
-  /// 4096.
+  /// 4096; and room for shorter steps, which the model does not know.
   static void compile(const spec::Block& b, const BlockPlan& plan) {
-    const double each = b.every > 0 ? b.every : plan.step;
+    const double each = b.every > 0 ? b.every : plan.step, least = b.every > 0 ? 0 : 1024;
     plan.block.states = delay::states_of(
-        static_cast<int>(std::min(4096.0, 16 + 4 * std::ceil(b.numbers[delay::time] / each))));
+        static_cast<int>(std::clamp(16 + 4 * std::ceil(b.numbers[delay::time] / each), least, 4096.0)));
     plan.add_numbers(b.numbers);
   }
   static constexpr BlockInfo info{.name = "delay",

@@ -165,7 +165,10 @@ void Channels::read(const Part& part, relative::RelativeSystem& system, const St
       *to = w.signals.value[part.item];
       return;
     case Kind::event:
-      return read_event(statistics.events[static_cast<std::size_t>(part.item)], to);
+      // Where there is no run, as at rest, none has happened.
+      return read_event(
+          statistics.events.empty() ? EventRecord() : statistics.events[static_cast<std::size_t>(part.item)],
+          to);
     case Kind::energy:
       return read_energy(e, to);
     case Kind::solver:

@@ -1,0 +1,66 @@
+#include "analysis/equilibria/moving_signals.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/observe/channels.h"
+#include "simulation/step/signal_state.h"
+
+namespace mimbre {
+namespace {
+
+/// Changes of a signal below this share of it are round-off.
+constexpr double still_signal = 1e-9;
+/// Instants at which sampled signals are evaluated: what a block makes may answer one later.
+constexpr int looked_at_instants = 3;
+
+}  // namespace
+
+std::vector<std::string> moving_signals(const Compiled& m, relative::RelativeSystem& system,
+                                        const State& rest) {
+  const double h = m.spec().simulation.step;
+  State s = rest;
+  Eigen::VectorXd r(m.velocities);
+  const auto values = [&](double step) {
+    system.enter(s.u.data(), s.z.data(), step);
+    system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
+    const auto& made = system.workspace().signals.value;
+    return std::vector<double>(made.begin(), made.end());
+  };
+  const std::vector<double> before = values(0);
+  if (m.signals.clock >= 0) {
+    commit_blocks(m, system, s);
+    s.u[m.signals.clock] = s.time - h;
+    values(h);
+    commit_blocks(m, system, s);
+  }
+  const bool outside = std::any_of(m.spec().blocks.begin(), m.spec().blocks.end(),
+                                   [](const spec::Block& b) { return static_cast<bool>(b.outside); });
+  if (!m.signals.sampled.empty() && !outside) {
+    double every = 0;
+    for (const SignalsData::Sampled& of : m.signals.sampled) every = std::max(every, of.every);
+    Sampler sampler(m, 0);
+    const Channels channels(m);
+    for (int k = 0; k < looked_at_instants; ++k, s.time += every) {
+      values(0);
+      sampler.sample(channels, system, rest, h, s);
+    }
+    s.time = rest.time;
+  }
+  const std::vector<double> after = values(0);
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < m.spec().signals.size(); ++k) {
+    const spec::Signal& signal = m.spec().signals[k];
+    const int slot = m.signals.slot_of_signal[k];
+    if (!signal.named || slot < 0 || (signal.block < 0 && !(signal.every > 0))) continue;
+    const double from = before[static_cast<std::size_t>(slot)], to = after[static_cast<std::size_t>(slot)];
+    if (std::abs(to - from) > still_signal * std::max(std::abs(from), std::abs(to)))
+      names.push_back(signal.name);
+  }
+  s = rest;
+  values(0);
+  system.enter(rest.u.data(), rest.z.data(), 0);
+  return names;
+}
+
+}  // namespace mimbre
