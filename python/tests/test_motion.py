@@ -151,3 +151,33 @@ def test_events_and_sampled_signals_count_where_all_is_prescribed() -> None:
     assert apart[np.abs(found.time - 0.55) > 0.01].max() < 1e-6
     held = model.inverse_dynamics(start=0.05, end=0.95, steps=9, flexible="quasistatic")
     assert any("events do not happen here" in warning for warning in held.warnings)
+
+
+@pytest.mark.parametrize("law", ["-0.3*(1 - cos(5*t))", "-0.7*t", "-0.5*t"])
+def test_a_slider_moves_a_crank_out_of_its_dead_centre(law: str) -> None:
+    model = mimbre.Model.from_text(
+        """
+        mimbre: 1
+        bodies:
+          k: {mass: 1, com: [0.15, 0, 0], inertia: [1, 1, 1]}
+          c: {mass: 1, com: [0.3, 0, 0], inertia: [1, 1, 1]}
+          s: {mass: 1, com: [1.3, 0, 0], inertia: [1, 1, 1]}
+        joints:
+          A: {type: revolute, between: [ground, k], at: [0, 0, 0], axis: [0, 1, 0], near: 0.2}
+          B: {type: revolute, between: [k, c], at: [0.3, 0, 0], axis: [0, 1, 0]}
+          C: {type: revolute, between: [s, c], at: [1.3, 0, 0], axis: [0, 1, 0]}
+          D: {type: prismatic, between: [ground, s], at: [1.3, 0, 0], axis: [1, 0, 0], drive: {position: "LAW"}}
+        simulation: {step: 0.01, end: 1}
+        """.replace("LAW", law)
+    )
+    found = model.kinematics()
+    crank, slider = np.abs(found.position[:, 0]), found.position[:, found.names.index("D")] + 1.3
+    closed = np.arccos(np.clip((0.09 + slider**2 - 1) / (0.6 * slider), -1, 1))
+    assert np.allclose(np.minimum(crank, 2 * np.pi - crank), closed, atol=1e-5)
+    assert crank[-1] < 2 * np.pi
+    if law == "-0.7*t":  # to where the loop closes no more
+        assert not found.complete
+        assert found.time[-1] == pytest.approx(0.6 / 0.7, abs=0.006)
+    else:
+        assert found.complete
+        assert found.time[-1] == 1

@@ -27,6 +27,7 @@ constexpr double singular_share =
     1e-6;                              ///< of the least singular value, as a share of the largest on the way
 constexpr double near_singular = 0.3;  ///< likewise: minima above are not looked at
 constexpr double shortest_part = 1e-11;  ///< part of the whole time, of the search for a limit
+constexpr double most_moved = 0.5;       ///< from one position to the next, by the scales
 constexpr double resting = 1e-9;         ///< of rates, as a share of the largest
 
 class Walk {
@@ -178,12 +179,19 @@ bool Walk::go(State& s, double to) {
 
 bool Walk::go_at_once(State& s, double to) {
   State next = s;
-  const double h = to - s.time;
+  const double h = to - s.time, half = s.time + 0.5 * h;
   if (!remembers_.empty()) enter(s, h);
   const VectorXd x = h * s.v + 0.5 * h * h * s.a;
   system_.retract(s.q.data(), x.data(), next.q.data());
   next.time = to;
   const double moved = system_.scales().of_coordinates(x.data());
+  // Far ones in parts: at a dead centre accelerations have no bounds.
+  if (!(moved < most_moved)) {
+    next = s;
+    if (!(half > s.time && half < to) || !go_at_once(next, half) || !go_at_once(next, to)) return false;
+    s = next;
+    return true;
+  }
   if (!motion_.close(next) || motion_.change() > 0.05 + 0.5 * moved) return false;
   remember(next);
   s = next;

@@ -50,7 +50,7 @@ Recorded record(const std::shared_ptr<const Model>& model, const RunOptions& met
       StepReport report;
       do  // Where an event would stop the run, both go on.
         report = advance(simulation, plan, until, run.totals, options.stop);
-      while (report.ok() && simulation.stopped());
+      while (report.ok() && simulation.stopped() && run.totals.steps < until);
       if (!report.ok()) {
         run.failure = simulation.explain(report);
         break;
