@@ -29,13 +29,14 @@ static model the_model;
 
 /* --- The other program --- */
 
-enum { longest_packet = 65000 };
+enum { longest_packet = 65000, most_packets = 32 /* that are looked at before a step */ };
 
 static struct {
   int socket;
   struct sockaddr_storage peer;
   socklen_t peer_size; /* 0: nobody takes part */
   uint64_t layout, since; /* of the names; the step after which the peer came */
+  uint64_t newest;        /* of inputs */
   size_t names_size;
   char names[longest_packet];
   union {
@@ -64,6 +65,11 @@ static void open_link(int port) {
   own.sin_family = AF_INET;
   own.sin_addr.s_addr = htonl(INADDR_ANY);
   own.sin_port = htons((uint16_t)port);
+  if (port < 0 || port > 65535 ||
+      (MODEL_OUTPUTS > MODEL_INPUTS ? MODEL_OUTPUTS : MODEL_INPUTS)*sizeof(double) > longest_packet - sizeof(mimbre_exchange_head)) {
+    fprintf(stderr, "the port is none, or the variables do not fit into a packet\n");
+    exit(1);
+  }
   link_.socket = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0);
   if (link_.socket < 0 || bind(link_.socket, (struct sockaddr *)&own, sizeof own) != 0) {
     fprintf(stderr, "cannot take packets at port %d: %s\n", port, strerror(errno));
@@ -89,9 +95,10 @@ static void send_packet(uint16_t kind, uint16_t count, uint64_t sequence, const 
   (void)sendto(link_.socket, link_.packet.bytes, sizeof *head + size, 0, (struct sockaddr *)&link_.peer, link_.peer_size);
 }
 
-/* All packets that have come. `step`: how many steps were made. */
+/* The packets that have come, so many before a step. `step`: how many steps were made. */
 static void take_packets(uint64_t step) {
-  for (;;) {
+  int taken, greeted = 0;
+  for (taken = 0; taken < most_packets; ++taken) {
     struct sockaddr_storage from;
     socklen_t from_size = sizeof from;
     const ssize_t size =
@@ -101,6 +108,8 @@ static void take_packets(uint64_t step) {
     if (size < 0) return;
     if ((size_t)size < sizeof head || head.magic != MIMBRE_EXCHANGE_MAGIC) continue;
     if (head.kind == MIMBRE_EXCHANGE_HELLO) {
+      if (greeted++) continue;
+      link_.newest = 0;
       link_.peer = from;
       link_.peer_size = from_size;
       link_.since = step;
@@ -111,8 +120,10 @@ static void take_packets(uint64_t step) {
     if (!known || head.layout != link_.layout) continue;
     if (head.kind == MIMBRE_EXCHANGE_BYE) link_.peer_size = 0;
     if (head.kind == MIMBRE_EXCHANGE_INPUTS && head.count == MODEL_INPUTS &&
-        (size_t)size == sizeof head + MODEL_INPUTS*sizeof(double)) {
+        (size_t)size == sizeof head + MODEL_INPUTS*sizeof(double) &&
+        (head.sequence == 0 || head.sequence >= link_.newest)) {
       int k;
+      link_.newest = head.sequence;
       for (k = 0; k < MODEL_INPUTS; ++k) {
         double value;
         memcpy(&value, link_.packet.bytes + sizeof head + (size_t)k*sizeof value, sizeof value);
@@ -192,9 +203,9 @@ int main(int count, char **words) {
       return 1;
     }
   }
-  steps = (long)(duration/MODEL_STEP + 0.5);
+  steps = duration >= 0.5*MODEL_STEP && duration < 1e8*MODEL_STEP ? (long)(duration/MODEL_STEP + 0.5) : 0;
   if (steps < 1) {
-    fprintf(stderr, "the duration is shorter than a step, %g s\n", MODEL_STEP);
+    fprintf(stderr, "the duration is shorter than a step, %g s, or longer than 1e8 of them\n", MODEL_STEP);
     return 1;
   }
   work = (float *)calloc((size_t)steps, sizeof *work);
@@ -222,7 +233,7 @@ int main(int count, char **words) {
     end = now();
     work[step] = (float)(end - begin);
     late += end > due + length;
-    if (link_.peer_size > 0)
+    if (link_.peer_size > 0 && (status <= MODEL_UNCONVERGED || status == MODEL_ENDED))
       send_packet(MIMBRE_EXCHANGE_OUTPUTS, MODEL_OUTPUTS, (uint64_t)step + 1 - link_.since, outputs, MODEL_OUTPUTS*sizeof *outputs);
     unconverged += status == MODEL_UNCONVERGED;
     if (status > MODEL_UNCONVERGED) {

@@ -88,6 +88,8 @@ class Study:
                 return Row(index, FAILED, found.message)
             if self.histories is not None:
                 self.histories.write(index, parameters, self.outputs, found)
+            if self.reduce is None:
+                found.pad()
             return Row(index, OK, "", self._reduced(found), np.array(found.time) if self.reduce is None else None)
         except InputError as error:
             return Row(index, REJECTED, str(error))

@@ -47,35 +47,12 @@ class Table:
             if self.time is None:
                 self.time = row.time
                 self._allocate(len(row.time))
-            if not self._place(row):
+            elif not np.array_equal(self.time, row.time):
                 self.status[row.index] = words.index("failed")
                 self.messages[row.index] = "its instants are others than those of the first run; give step= and until="
-            return True
+                return True
         assert self.values is not None
         self.values[row.index] = row.values
-        return True
-
-    def _place(self, row: Row) -> bool:
-        """A history among the others. Where an event has ended a run it is shorter, and not a number from there on."""
-        assert self.time is not None
-        assert self.values is not None
-        assert row.time is not None
-        assert row.values is not None
-        shorter, longer = sorted((self.time, row.time), key=len)
-        count = len(shorter)
-        if not np.array_equal(shorter[:-1], longer[: count - 1]):
-            return False
-        # The event's own instant may be none of the others'.
-        shared = count if shorter[-1] == longer[count - 1] else count - 1
-        kept = len(row.time)
-        if len(row.time) > len(self.time):
-            before = self.values
-            self.time = row.time
-            self._allocate(len(row.time))
-            self.values[:, :, :shared] = before[:, :, :shared]
-        elif shared < count or len(row.time) < len(self.time):
-            kept = shared
-        self.values[row.index, :, :kept] = row.values[:, :kept]
         return True
 
     def ended_well(self) -> list[int]:

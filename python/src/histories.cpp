@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 
 #include "bindings.h"
 #include "played.h"
@@ -21,12 +22,14 @@ struct Stop {
 
 /// What is kept of such a run. Values: channels × instants.
 struct Histories {
+  RunPlan plan;
   std::vector<double> time, values;
   std::string status, message;
   double cpu_seconds = 0;  ///< of the steps
 
-  Histories(const RunPlan& plan, std::vector<Simulation::Channel> of)
-      : time(static_cast<std::size_t>(plan.rows())),
+  Histories(const RunPlan& planned, std::vector<Simulation::Channel> of)
+      : plan(planned),
+        time(static_cast<std::size_t>(plan.rows())),
         values(of.size() * time.size()),
         channels_(std::move(of)) {}
 
@@ -34,6 +37,22 @@ struct Histories {
     for (std::size_t k = 0; k < channels_.size(); ++k)
       values[k * time.size() + rows_] = simulation.value(channels_[k]);
     time[rows_++] = simulation.time();
+  }
+
+  /// With all planned instants, as runs have that no event ends: what it has not is not a number.
+  void pad() {
+    const std::size_t had = time.size();
+    std::vector<double> instants, padded;
+    for (std::int64_t made = 0;; made = plan.next_row(made)) {
+      instants.push_back(made == plan.steps ? plan.end : static_cast<double>(made) * plan.step);
+      if (made == plan.steps) break;
+    }
+    for (std::size_t k = 0; k < channels_.size(); ++k)
+      for (std::size_t i = 0; i < instants.size(); ++i)
+        padded.push_back(i < had && time[i] == instants[i] ? values[k * had + i]
+                                                           : std::numeric_limits<double>::quiet_NaN());
+    time = std::move(instants);
+    values = std::move(padded);
   }
 
   /// A run that an event has ended has fewer rows than were planned.
@@ -99,6 +118,7 @@ void bind_histories(nb::module_& module) {
       .def("set", [](Stop& stop) { stop.wanted = true; })
       .def_prop_ro("is_set", [](const Stop& stop) { return stop.wanted.load(); });
   nb::class_<Histories>(module, "Histories", "Some channels of a run, and how it ended.")
+      .def("pad", &Histories::pad, "To all planned instants: behind the end by an event not a number.")
       .def_ro("status", &Histories::status)
       .def_ro("message", &Histories::message)
       .def_ro("cpu_seconds", &Histories::cpu_seconds, "Of the steps.")

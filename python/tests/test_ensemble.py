@@ -295,12 +295,14 @@ def test_runs_that_an_event_ends_keep_their_rows_alone(tmp_path) -> None:
         simulation: {step: 0.1, end: 2}
         """
     )
-    speeds = [2.0, 0.1, 1.0, 0.2, 0.87]
+    speeds = [2.0, 0.1, 1.0, 0.2, 0.87, 0.253]  # the last one ends between the last two instants
     found = mimbre.sweep(model, {"v0": speeds}, reduce=["last", "min"])
     ends = [min(0.5, 2 * v) for v in speeds]
     assert np.allclose(found["place"].sel(reduction="last"), ends, atol=1e-6)
     assert np.allclose(found["speed"].sel(reduction="min"), speeds, atol=1e-9)
-    found = mimbre.sweep(model, {"v0": speeds}, reduce="history")
+    store = tmp_path / "rows.h5"
+    for _ in range(2):
+        found = mimbre.sweep(model, {"v0": speeds}, reduce="history", store=store, workers=1)
     assert (found["status"] == "ok").all()
     assert np.allclose(found["time"], 0.1 * np.arange(21))
     for v in speeds:

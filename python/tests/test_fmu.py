@@ -306,6 +306,7 @@ def instants_of_events(path: Path, folder: Path, events: bool, early: bool, step
         assert early or not returned
         now = last
         counts = f.getFloat64([references["event.far"], references["event.near"]])
+        assert all(count == round(count) for count in counts)  # also between two steps of the model
         if event or returned:
             told.append((last, round(sum(counts))))
         if event:

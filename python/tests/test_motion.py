@@ -131,6 +131,28 @@ def test_drives_follow_filters_from_the_beginning() -> None:
             assert np.abs(forces.force[:, 0] - 2 * 10 * np.exp(-10 * forces.time)).max() < 1e-9
 
 
+def test_rows_far_apart_follow_filters_by_the_models_steps() -> None:
+    model = mimbre.Model.from_text(
+        """
+        mimbre: 1
+        gravity: [0, 0, 0]
+        bodies: {b: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+        joints: {p: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [1, 0, 0], drive: {position: f.y}}}
+        signals: {f: {state_space: ["sin(8*t)"], A: [[-10]], B: [[10]], C: [[1]], outputs: [y]}}
+        outputs: [{name: x, joint: p}]
+        simulation: {step: 0.001, end: 1}
+        """
+    )
+    for steps in (5, 20):
+        moved = model.kinematics(steps=steps)
+        t = moved.time
+        exact = 10 / 164 * (10 * np.sin(8 * t) - 8 * np.cos(8 * t) + 8 * np.exp(-10 * t))
+        assert np.abs(moved.position[:, 0] - exact).max() < 2e-5
+        forces = model.inverse_dynamics(steps=steps).force[:, 0]
+        rate = 10 * (np.sin(8 * t) - exact)
+        assert np.abs(forces - 2 * 10 * (8 * np.cos(8 * t) - rate)).max() < 2e-2
+
+
 def test_events_and_sampled_signals_count_where_all_is_prescribed() -> None:
     model = mimbre.Model.from_text(
         """

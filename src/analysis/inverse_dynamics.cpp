@@ -115,7 +115,7 @@ class InverseProblem {
     for (const JointCoordinate& of : driven.forces) drives_.push_back(&drive(of));
   }
 
-  InverseDynamics solve(const std::vector<double>& times);
+  InverseDynamics solve(const std::vector<double>& times, double begin);
 
  private:
   const DriveData& drive(const JointCoordinate& of) const {
@@ -314,7 +314,6 @@ void InverseProblem::observe(State& s, InverseDynamics& out, Eigen::Index instan
 }
 
 /// By a run of the model with its drives.
-/// By a run, where something moves by its dynamics, or happens at instants.
 void InverseProblem::follow_dynamically(const std::vector<double>& times, InverseDynamics& out) {
   RunOptions run;
   run.formulation = spec::Simulation::Formulation::relative;
@@ -346,7 +345,7 @@ void InverseProblem::follow_dynamically(const std::vector<double>& times, Invers
   }
 }
 
-InverseDynamics InverseProblem::solve(const std::vector<double>& times) {
+InverseDynamics InverseProblem::solve(const std::vector<double>& times, double begin) {
   InverseDynamics out;
   out.coordinates = driven_.forces;
   for (const JointCoordinate& of : driven_.forces) {
@@ -370,7 +369,7 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times) {
   out.free = static_cast<int>(free_motions(s).cols());
   const bool forces_alone = driven_.forces != driven_.prescribed;
   const bool runs = options_.flexible == Options::Flexible::dynamic &&
-                    (out.free > 0 || (acts_at_instants() && !forces_alone));
+                    (out.free > 0 || (acts_at_instants() && !forces_alone && !(begin > 0)));
   if (acts_at_instants() && !runs)
     out.warnings.emplace_back(
         "events do not happen here, and signals with 'every' keep what they are at the start");
@@ -407,13 +406,21 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times) {
       system_.enter(s.u.data(), s.z.data(), 0);
     }
   };
-  // Blocks remember from 0 on.
-  if (m_.signals.clock >= 0 && times.front() > 0) {
+  // Blocks remember from the beginning on, by steps of the model.
+  const bool blocks = m_.signals.clock >= 0;
+  const auto follow_blocks = [&](double to) {
+    const double from = s.time, parts = std::ceil((to - from) / m_.spec().simulation.step * (1 - 1e-9));
+    for (double k = 1; k < parts; ++k) go(from + (to - from) * k / parts, -1);
+  };
+  if (blocks && times.front() > begin) {
     s = first;
-    const double parts = std::ceil(times.front() / m_.spec().simulation.step);
-    for (int k = 0; k < static_cast<int>(parts); ++k) go(times.front() * k / parts, -1);
+    s.time = begin;
+    go(begin, -1);
   }
-  for (std::size_t k = 0; k < times.size(); ++k) go(times[k], static_cast<Eigen::Index>(k));
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    if (blocks && times[k] > s.time) follow_blocks(times[k]);
+    go(times[k], static_cast<Eigen::Index>(k));
+  }
   judge(out);
   if (out.redundant > 0)
     out.warnings.push_back(fmt::format(
@@ -453,7 +460,8 @@ std::vector<double> instants(const Model& model, const PrescribedMotion* motion,
 InverseDynamics inverse_dynamics(const std::shared_ptr<const Model>& model, const PrescribedMotion* motion,
                                  const InverseDynamicsOptions& options) {
   const Driven driven = driven_model(*model, motion, options);
-  return InverseProblem(driven, options).solve(instants(*model, motion, options));
+  const double begin = motion && !motion->time.empty() ? motion->time.front() : 0;
+  return InverseProblem(driven, options).solve(instants(*model, motion, options), begin);
 }
 
 }  // namespace mimbre

@@ -90,7 +90,8 @@ class Walk {
   void enter(const State& s, double h);
   /// Blocks of the time that drives may follow remember the instant of the last evaluation.
   void remember(State& s);
-  void look_for_singular(const State& before, double width, Kinematics& out);
+  /// Between two instants, which are followed from a state; blocks go forwards only.
+  void look_for_singular(const State& from, double begin, double end, Kinematics& out);
   void look_for_reversals(const std::vector<State>& states, Kinematics& out);
   void look_for_reversal(const State& before, const State& after, const Coordinate& of, double largest,
                          Kinematics& out);
@@ -178,22 +179,27 @@ bool Walk::go(State& s, double to) {
 }
 
 bool Walk::go_at_once(State& s, double to) {
-  State next = s;
   const double h = to - s.time, half = s.time + 0.5 * h;
   if (!remembers_.empty()) enter(s, h);
   const VectorXd x = h * s.v + 0.5 * h * h * s.a;
-  system_.retract(s.q.data(), x.data(), next.q.data());
-  next.time = to;
   const double moved = system_.scales().of_coordinates(x.data());
-  // Far ones in parts: at a dead centre accelerations have no bounds.
-  if (!(moved < most_moved)) {
-    next = s;
-    if (!(half > s.time && half < to) || !go_at_once(next, half) || !go_at_once(next, to)) return false;
+  const auto leads = [&](double share) {
+    State next = s;
+    system_.retract(s.q.data(), VectorXd(share * x).data(), next.q.data());
+    next.time = to;
+    if (!motion_.close(next) || motion_.change() > 0.05 + 0.5 * share * moved) return false;
+    remember(next);
     s = next;
     return true;
-  }
-  if (!motion_.close(next) || motion_.change() > 0.05 + 0.5 * moved) return false;
-  remember(next);
+  };
+  if (moved < most_moved && leads(1)) return true;
+  // From a dead centre, where accelerations have no bounds, a part of what they predict.
+  for (const double part : {0.4, 0.1, 0.03, 0.01, 0.003})
+    if (part < moved && leads(part / moved)) return true;
+  // Far ones in parts.
+  if (moved < most_moved || !std::isfinite(moved) || !(half > s.time && half < to)) return false;
+  State next = s;
+  if (!go_at_once(next, half) || !go_at_once(next, to)) return false;
   s = next;
   return true;
 }
@@ -238,13 +244,14 @@ void Walk::add(Kind kind, const State& s, const JointCoordinate& of, double posi
 }
 
 /// The least singular value is least somewhere within `width` before and behind the state.
-void Walk::look_for_singular(const State& middle, double width, Kinematics& out) {
+void Walk::look_for_singular(const State& from, double begin, double end, Kinematics& out) {
+  const double width = 0.5 * (end - begin);
   const auto at = [&](double time, State& s) {
-    s = middle;
-    return go(s, time) ? least_value(s) : least_value(middle);
+    s = from;
+    return time == from.time || go(s, time) ? least_value(s) : least_value(from);
   };
   constexpr double golden = 0.6180339887498949;
-  double low = middle.time - width, high = middle.time + width;
+  double low = begin, high = end;
   State s;
   double left = high - golden * (high - low), right = low + golden * (high - low);
   double of_left = at(left, s), of_right = at(right, s);
@@ -264,7 +271,9 @@ void Walk::look_for_singular(const State& middle, double width, Kinematics& out)
     }
   }
   VectorXd motion;
-  at((low + high) / 2, s);
+  // An instant of the rows may be one.
+  const double found = at((low + high) / 2, s);
+  if (from.time >= begin && least_value(from) <= found) s = from;
   const double least = least_value(s, &motion);
   if (!(least <= singular_share * out.regularity.maxCoeff())) return;
   // Of the loops alone, too?
@@ -427,7 +436,12 @@ Kinematics Walk::follow() {
     const bool falls = k == 0 || here <= out.regularity[k - 1],
                rises = k + 1 == count || here < out.regularity[k + 1];
     if (falls && rises && here < near_singular * largest)
-      look_for_singular(states[static_cast<std::size_t>(k)], h, out);
+      look_for_singular(
+          states[static_cast<std::size_t>(remembers_.empty() || k == 0 ? k : k - 1)],
+          k == 0 && !remembers_.empty() ? options_.start : states[static_cast<std::size_t>(k)].time - h,
+          remembers_.empty() ? states[static_cast<std::size_t>(k)].time + h
+                             : std::min(end, states[static_cast<std::size_t>(k)].time + h),
+          out);
   }
   look_for_reversals(states, out);
   if (!out.complete) limit(s, out);

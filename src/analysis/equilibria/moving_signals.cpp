@@ -11,8 +11,6 @@ namespace {
 
 /// Changes of a signal below this share of it are round-off.
 constexpr double still_signal = 1e-9;
-/// Instants at which sampled signals are evaluated: what a block makes may answer one later.
-constexpr int looked_at_instants = 3;
 
 }  // namespace
 
@@ -37,15 +35,19 @@ std::vector<std::string> moving_signals(const Compiled& m, relative::RelativeSys
   const bool outside = std::any_of(m.spec().blocks.begin(), m.spec().blocks.end(),
                                    [](const spec::Block& b) { return static_cast<bool>(b.outside); });
   if (!m.signals.sampled.empty() && !outside) {
-    double every = 0;
-    for (const SignalsData::Sampled& of : m.signals.sampled) every = std::max(every, of.every);
+    // What a block makes may answer as many instants later as it has states, and one signal after the other.
+    int instants = 2 + static_cast<int>(std::ssize(m.signals.sampled));
+    for (const SignalsData::Block& b : m.signals.blocks)
+      if (b.every > 0)
+        instants =
+            std::max(instants, 2 + static_cast<int>(std::ssize(m.signals.sampled)) + std::min(b.states, 32));
     Sampler sampler(m, 0);
     const Channels channels(m);
-    for (int k = 0; k < looked_at_instants; ++k, s.time += every) {
+    for (int k = 0; k < instants; ++k) {
+      for (const SignalsData::Sampled& of : m.signals.sampled) s.u[of.held + of.values] = s.time;  // due
       values(0);
       sampler.sample(channels, system, rest, h, s);
     }
-    s.time = rest.time;
   }
   const std::vector<double> after = values(0);
   std::vector<std::string> names;
@@ -53,6 +55,8 @@ std::vector<std::string> moving_signals(const Compiled& m, relative::RelativeSys
     const spec::Signal& signal = m.spec().signals[k];
     const int slot = m.signals.slot_of_signal[k];
     if (!signal.named || slot < 0 || (signal.block < 0 && !(signal.every > 0))) continue;
+    if (signal.block >= 0 && m.spec().blocks[static_cast<std::size_t>(signal.block)].type == "noise")
+      continue;
     const double from = before[static_cast<std::size_t>(slot)], to = after[static_cast<std::size_t>(slot)];
     if (std::abs(to - from) > still_signal * std::max(std::abs(from), std::abs(to)))
       names.push_back(signal.name);

@@ -56,6 +56,7 @@ const char* const fmu_steps_text = R"c(
 static double @_fmu_output(@_fmu *f, int output) {
   const @_fmu_progress *const p = &f->progress;
   if (!p->between) return @_get_output(&f->model, output);
+  if (@_fmu_jumps[output]) return p->before[output]; /* an event is not in between */
   return p->before[output] + p->weight*(p->after[output] - p->before[output]);
 }
 
@@ -157,7 +158,7 @@ static int @_fmu_vary(@_fmu *f, const @_fmu_reference *unknowns, size_t unknown_
   }
   if (p->between)
     for (output = 0; output < @_FMU_OUTPUTS; ++output)
-      outputs[output] = time*(p->after[output] - p->before[output])/@_FMU_STEP;
+      outputs[output] = @_fmu_jumps[output] ? 0.0 : time*(p->after[output] - p->before[output])/@_FMU_STEP;
   else if (@_fmu_vary_at_rest(f, asked, inputs, time, outputs) != @_FMU_OK)
     return @_FMU_ERROR;
   for (k = 0; k < unknown_count; ++k)

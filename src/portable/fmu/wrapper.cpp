@@ -102,6 +102,11 @@ std::string fmu_wrapper(const FmuCode& fmu) {
   }
   s += table(name + "_fmu_least", least) + table(name + "_fmu_most", most) +
        table(name + "_fmu_start", start) + table(name + "_fmu_tunable", tunable);
+  if (!exchange) {
+    std::vector<int> jumps;
+    for (const GeneratedVariable& v : fmu.code.outputs) jumps.push_back(v.name.starts_with("event.") ? 1 : 0);
+    s += table(name + "_fmu_jumps", jumps);
+  }
   if (arrays.longest > 1)
     s += table(name + "_fmu_sizes", arrays.sizes) + table(name + "_fmu_elements", arrays.elements);
   const bool two = fmu.version == 2;
