@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <limits>
 
 #include "bindings.h"
@@ -48,9 +49,10 @@ struct Histories {
       if (made == plan.steps) break;
     }
     for (std::size_t k = 0; k < channels_.size(); ++k)
-      for (std::size_t i = 0; i < instants.size(); ++i)
-        padded.push_back(i < had && time[i] == instants[i] ? values[k * had + i]
-                                                           : std::numeric_limits<double>::quiet_NaN());
+      for (std::size_t i = 0; i < instants.size(); ++i) {
+        const bool there = i < had && std::abs(time[i] - instants[i]) < 1e-6 * plan.step;
+        padded.push_back(there ? values[k * had + i] : std::numeric_limits<double>::quiet_NaN());
+      }
     time = std::move(instants);
     values = std::move(padded);
   }

@@ -115,6 +115,7 @@ class InverseProblem {
     for (const JointCoordinate& of : driven.forces) drives_.push_back(&drive(of));
   }
 
+  /// At these instants, of a motion that begins at `begin`, s.
   InverseDynamics solve(const std::vector<double>& times, double begin);
 
  private:

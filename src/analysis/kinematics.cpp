@@ -197,7 +197,7 @@ bool Walk::go_at_once(State& s, double to) {
   for (const double part : {0.4, 0.1, 0.03, 0.01, 0.003})
     if (part < moved && leads(part / moved)) return true;
   // Far ones in parts.
-  if (moved < most_moved || !std::isfinite(moved) || !(half > s.time && half < to)) return false;
+  if (moved < most_moved || !std::isfinite(moved) || !((half - s.time) * (to - half) > 0)) return false;
   State next = s;
   if (!go_at_once(next, half) || !go_at_once(next, to)) return false;
   s = next;
