@@ -107,8 +107,10 @@ class Generator {
                            factor + solve + 4 * j + 30 * n;
     const long projection = 6 * (solve + 4 * j + 4 * n);
     const bool equations = m_.equations > 0;
-    const long look = of("origin") + of("signals_rest") + of("motion") + of("sense_rest") + of("see_rest") +
-                      most_signal_rounds * of("sense_round_rest");
+    // Without blocks signals at rest are those of a step.
+    const std::string rest = recorded_->blocks ? "rest" : "step";
+    const long look = of("origin") + of("signals_" + rest) + of("motion") + of("sense_" + rest) +
+                      of("see_" + rest) + most_signal_rounds * of("sense_round_" + rest);
     const long forces = of(recorded_->rests ? "forces_rest" : "forces_step");
     const long jumps =
         recorded_->blocks ? (relays() > 0 ? longest_chain : 1) * (look + of("keep_blocks_rest")) : 0;
@@ -235,13 +237,15 @@ class Generator {
                      out_.outputs.size());
     h += variable_names(out_) + variable_lists(out_);
     h += fmt::format(
-        "\n/* What a step returns. Up to {0}_UNCONVERGED it was made; but for {0}_ENDED the state is else as "
-        "before. */\n"
+        "\n/* What a step returns. Up to {0}_UNCONVERGED it was made. {0}_ENDED: an event of the model ends "
+        "the "
+        "run; the\n * step was made, unless the event happened before it. Others: it was not made, and the "
+        "state "
+        "is as before. */\n"
         "enum {{\n  {0}_OK = 0,\n  {0}_UNCONVERGED = 1, /* taken before the iterations had converged */\n"
         "  {0}_NOT_FINITE = 2,\n  {0}_SINGULAR = 3,\n  {0}_DRIFTED = 4, /* the loops have come apart */\n"
         "  {0}_NOT_CONVERGED = 5,\n  {0}_NO_SUCH = 6, /* no such input, or no number for it */\n"
-        "  {0}_ENDED = 7 /* an event of the model ends the run, at the end of the step, which was made, or "
-        "before it */\n}};\n\n",
+        "  {0}_ENDED = 7\n}};\n\n",
         upper());
     h += fmt::format(
         "/* All that the next step depends on: may be copied, kept and given to another instance. "
