@@ -465,7 +465,7 @@ INSTANTIATE_TEST_SUITE_P(Versions, Fmu, testing::Values(2, 3),
                          });
 
 TEST(FmuArchive, HoldsWhatTheStandardWants) {
-  const std::string path = testing::TempDir() + "pendulum.fmu";
+  const std::string path = fmu_folder() + "pendulum.fmu";
   FmuOptions options;
   options.version = 3;
   options.name = "pendulum";
@@ -508,7 +508,7 @@ TEST(FmuArchive, HasSourcesAloneWhereThereIsNoCompiler) {
   setenv("CC", "no-such-compiler", 1);
   FmuOptions options;
   options.name = "pendulum";
-  const std::string path = testing::TempDir() + "sources.fmu";
+  const std::string path = fmu_folder() + "sources.fmu";
   const WrittenFmu written = write_fmu(example("tutorial/pendulum.yaml"), {}, options, path);
   EXPECT_THAT(written.without_binary, HasSubstr("no-such-compiler"));
   options.binary_only = true;

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -69,7 +70,7 @@ TEST(ModelSource, GivesTheModelOfOtherParameters) {
 /// Files need not be there any more.
 TEST(ModelSource, NeedsNoFiles) {
   namespace fs = std::filesystem;
-  const fs::path folder = fs::path(testing::TempDir()) / "model_source";
+  const fs::path folder = fs::path(testing::TempDir()) / ("model_source_" + std::to_string(getpid()));
   fs::remove_all(folder);
   fs::create_directories(folder);
   std::ofstream(folder / "materials.yaml")

@@ -1,6 +1,7 @@
 #pragma once
 #include <dlfcn.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -17,9 +18,23 @@ namespace mimbre::test {
 
 enum FmiStatus : int { fmi_ok, fmi_warning, fmi_discard, fmi_error, fmi_fatal };
 
+/// A folder of this process alone, so that two runs of the tests do not meet; removed at its end.
+inline const std::string& fmu_folder() {
+  struct Folder {
+    std::string path = testing::TempDir() + "fmu_" + std::to_string(getpid()) + "/";
+    Folder() { std::filesystem::create_directories(path); }
+    ~Folder() {
+      std::error_code ignored;
+      std::filesystem::remove_all(path, ignored);
+    }
+  };
+  static const Folder folder;
+  return folder.path;
+}
+
 /// What a command prints; it has to succeed.
 inline std::string printed_by(const std::string& command) {
-  const std::string file = testing::TempDir() + "fmu_printed_" + std::to_string(getpid());
+  const std::string file = fmu_folder() + "printed";
   EXPECT_EQ(std::system((command + " > " + file + " 2>&1").c_str()), 0) << command;
   std::stringstream text;
   text << std::ifstream(file).rdbuf();
@@ -29,8 +44,7 @@ inline std::string printed_by(const std::string& command) {
 
 /// The sources in a folder.
 inline std::string fmu_sources(const FmuCode& fmu, const std::string& label) {
-  const std::string folder =
-      testing::TempDir() + "fmu_" + label + "_" + fmu.code.name + std::to_string(fmu.version);
+  const std::string folder = fmu_folder() + label + "_" + fmu.code.name + std::to_string(fmu.version);
   write_code(fmu.code, folder);
   std::ofstream(folder + "/fmi" + std::to_string(fmu.version) + ".c") << fmu.wrapper;
   return folder;
