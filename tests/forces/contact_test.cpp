@@ -121,6 +121,20 @@ TEST_P(Contact, AboveItItSlidesAsCoulombSays) {
               9.81 * (std::sin(slope) - friction * std::cos(slope)), 1e-4);
 }
 
+/// From rest, with the acceleration of the slope from the first instant: nothing holds it even there.
+TEST_P(Contact, WithoutFrictionItSlidesFromTheFirstStep) {
+  const double slope = 0.3;
+  Simulation simulation = simulation_of(box_on_slope(slope, 0), GetParam());
+  const auto along = [&] {
+    return std::cos(slope) * channel(simulation, "x") - std::sin(slope) * channel(simulation, "z");
+  };
+  const double start = along();
+  for (int k = 1; k <= 3; ++k) {
+    run_to(simulation, 0.01 * k);
+    EXPECT_NEAR(along() - start, 0.5 * 9.81 * std::sin(slope) * 1e-4 * k * k, 1e-10) << k;
+  }
+}
+
 /// m a = −F, J α = F r − M: a = 5/7 of g times the arm by the radius. Then it rests.
 /// A wedge of 10 degrees under a press of 200 N: where both of its sides rub by more than half of its angle
 /// it is locked for good; where they do not it is pressed out.
