@@ -243,7 +243,7 @@ void Walk::add(Kind kind, const State& s, const JointCoordinate& of, double posi
   out.special.push_back(std::move(found));
 }
 
-/// The least singular value is least somewhere within `width` before and behind the state.
+/// The least singular value is least somewhere between these instants.
 void Walk::look_for_singular(const State& from, double begin, double end, Kinematics& out) {
   const double width = 0.5 * (end - begin);
   const auto at = [&](double time, State& s) {

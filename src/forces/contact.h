@@ -51,7 +51,7 @@ BristleForce<T, n> bend_bristles(const Eigen::Matrix<T, n, 1>& bent, const Eigen
   const T damped = steps ? T(viscosity / step) : T(0), whole = bristle_stiffness + damped;
   const Vector kept = steps ? Vector(bristle_stiffness * bent) : pulled, trial = kept + whole * moved;
   const T square = trial.squaredNorm();
-  // What holds nothing slides even where it is not pulled: its tangent is none.
+  // Where the limit is zero nothing holds, not even what is not pulled yet: there is no tangent.
   const auto sliding = square > limit * limit || !(limit > T(0));
   const T size = sqrt(select(square > T(0), square, T(1))), share = select(sliding, T(limit / size), T(1));
   BristleForce<T, n> h;

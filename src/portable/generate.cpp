@@ -238,10 +238,8 @@ class Generator {
     h += variable_names(out_) + variable_lists(out_);
     h += fmt::format(
         "\n/* What a step returns. Up to {0}_UNCONVERGED it was made. {0}_ENDED: an event of the model ends "
-        "the "
-        "run; the\n * step was made, unless the event happened before it. Others: it was not made, and the "
-        "state "
-        "is as before. */\n"
+        "the run; the\n * step was made, unless the event happened before it. Others: it was not made, and "
+        "the state is as before. */\n"
         "enum {{\n  {0}_OK = 0,\n  {0}_UNCONVERGED = 1, /* taken before the iterations had converged */\n"
         "  {0}_NOT_FINITE = 2,\n  {0}_SINGULAR = 3,\n  {0}_DRIFTED = 4, /* the loops have come apart */\n"
         "  {0}_NOT_CONVERGED = 5,\n  {0}_NO_SUCH = 6, /* no such input, or no number for it */\n"

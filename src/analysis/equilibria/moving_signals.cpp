@@ -36,11 +36,10 @@ std::vector<std::string> moving_signals(const Compiled& m, relative::RelativeSys
                                    [](const spec::Block& b) { return static_cast<bool>(b.outside); });
   if (!m.signals.sampled.empty() && !outside) {
     // What a block makes may answer as many instants later as it has states, and one signal after the other.
-    int instants = 2 + static_cast<int>(std::ssize(m.signals.sampled));
+    int states = 0;
     for (const SignalsData::Block& b : m.signals.blocks)
-      if (b.every > 0)
-        instants =
-            std::max(instants, 2 + static_cast<int>(std::ssize(m.signals.sampled)) + std::min(b.states, 32));
+      if (b.every > 0) states = std::max(states, std::min(b.states, 32));
+    const int instants = 2 + static_cast<int>(std::ssize(m.signals.sampled)) + states;
     Sampler sampler(m, 0);
     const Channels channels(m);
     for (int k = 0; k < instants; ++k) {
