@@ -87,6 +87,8 @@ class System {
   /// Whether the tangents of the forces at the last residual differ so much from those in the factorised
   /// matrix that it should not be used further: a contact closed or opened, a spring reached its stop.
   virtual bool tangent_changed(const double* q, const MatrixWeights& weights) const = 0;
+  /// Whether one of them has by as much become less than nine tenths of itself: something breaks away.
+  virtual bool tangent_fell(const MatrixWeights& weights) const = 0;
   /// The tangents in the factorised matrix, which tangent_changed() compares with. The first iteration of a
   /// step may ask for those of the step before, so that they belong to what must be saved to go on.
   virtual std::span<double> tangent_marks() = 0;

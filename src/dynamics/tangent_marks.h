@@ -53,7 +53,18 @@ class TangentMarks {
     return false;
   }
 
+  /// Whether the tangent of an element is by as much below nine tenths of this.
+  bool fell(const Compiled& m, const double* elements, const MatrixWeights& weights) const {
+    for (std::size_t k = 0; k < m.elements.size(); ++k) {
+      if (!m.elements[k].marked) continue;
+      const double now = element_tangent(element_state(m.elements[k], elements), weights);
+      if (values_[k] - now > small_[k] && now < fallen * values_[k]) return true;
+    }
+    return false;
+  }
+
  private:
+  static constexpr double fallen = 0.9;
   std::size_t ancf_;
   std::vector<double> values_;
   std::vector<double> small_;  ///< of elements, then of bodies

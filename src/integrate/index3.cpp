@@ -32,6 +32,8 @@ constexpr int most_uses = 5;
 constexpr double projected_velocities = 1e-7, projected_accelerations = 1e-5;
 // Steps at most before a matrix is kept again.
 constexpr int longest_pause = 15;
+// How far a correction may be followed is searched after this many of them (line_search.cpp).
+constexpr int search_from = 8;
 // An iteration that fails after a correction of this size fails because it diverges.
 constexpr double lost_correction = 1;
 
@@ -55,6 +57,8 @@ IndexThree::IndexThree(System& system, const IntegratorOptions& options)
   r_.setZero(n);
   unprojected_.setZero(n);
   for (Eigen::VectorXd* x : {&lambda_, &impulse_, &g_, &force_, &rates_, &inherited_, &own_}) x->setZero(m);
+  for (Eigen::VectorXd* x : {&line_, &line_x_}) x->setZero(n);
+  line_lambda_.setZero(m);
   if (options.fixed_cost) {
     nearest_.x.setZero(n);
     nearest_.lambda.setZero(m);
@@ -114,7 +118,7 @@ IndexThree::Attempt IndexThree::attempt(State& s, bool precise) {
     if (!find_correction(t)) return t;
     update_multipliers(t, iteration);
     if (options_.fixed_cost) keep_nearest(t);
-    if (!apply_correction(t)) return t;
+    if (!apply_correction(s, t)) return t;
     decide_convergence(t);
     if (t.lost) {
       begin_again(s, t);
@@ -323,11 +327,12 @@ void IndexThree::update_multipliers(Attempt& t, int iteration) {
 }
 
 /// Moves to the next iterate.
-bool IndexThree::apply_correction(Attempt& t) {
+bool IndexThree::apply_correction(const State& s, Attempt& t) {
   if (const int bad = find_not_finite(r_.data(), system_.velocities()); bad >= 0)
     return fail(t, StepCode::not_finite, bad);
-  system_.compose(motion_.x.data(), r_.data());
-  if (t.newton.slow) mixing_.mix(motion_.x, lambda_, r_);
+  t.shortened = t.newton.corrections >= search_from && !options_.fixed_cost && shorten_correction(s, t);
+  if (!t.shortened) system_.compose(motion_.x.data(), r_.data());
+  if (t.newton.slow && !t.leaps) mixing_.mix(motion_.x, lambda_, r_);
   return true;
 }
 

@@ -44,6 +44,8 @@ class IndexThree final : public Stepper {
     bool refactored = false;   ///< the last correction is by a new matrix
     bool by_kept = false;      ///< the first ones are by that of an earlier step
     bool assembled = false;    ///< one is by a matrix of the step, not only by exchanged tangents
+    bool shortened = false;    ///< the last correction went too far
+    bool leaps = false;        ///< one of them did
     bool settled = false;      ///< the multipliers do not change any more
     bool converged = false;
     bool lost = false;       ///< by a matrix of an earlier step
@@ -72,7 +74,11 @@ class IndexThree final : public Stepper {
   bool find_correction(Attempt& t);
   void solve_for_correction(const double* phi);
   void update_multipliers(Attempt& t, int iteration);
-  bool apply_correction(Attempt& t);
+  bool apply_correction(const State& state, Attempt& t);
+  // How far it goes (line_search.cpp).
+  void return_to_constraints(const State& state, Attempt& t);
+  double along_correction(const State& state, Attempt& t, double share);
+  bool shorten_correction(const State& state, Attempt& t);
   // Where the step ends (step_end.cpp).
   void decide_convergence(Attempt& t);
   void keep_nearest(const Attempt& t);
@@ -111,11 +117,12 @@ class IndexThree final : public Stepper {
     double off = 0;
     Eigen::VectorXd x, lambda;
   } nearest_;
-  Eigen::VectorXd before_;           ///< multipliers before an iteration
-  Eigen::VectorXd g_;                ///< remaining violation of a projection
-  Eigen::VectorXd impulse_, force_;  ///< per equation: Φz δ or α Φ; change of the multipliers
-  Eigen::VectorXd inherited_, own_;  ///< Φ at the start of a short part, and what has come since
-  Eigen::VectorXd rates_;            ///< of the constraints, expected after the last correction
+  Eigen::VectorXd before_;                       ///< multipliers before an iteration
+  Eigen::VectorXd g_;                            ///< remaining violation of a projection
+  Eigen::VectorXd impulse_, force_;              ///< per equation: Φz δ or α Φ; change of the multipliers
+  Eigen::VectorXd inherited_, own_;              ///< Φ at the start of a short part, and what has come since
+  Eigen::VectorXd line_, line_x_, line_lambda_;  ///< a correction, and from where it goes
+  Eigen::VectorXd rates_;                        ///< of the constraints, expected after the last correction
 };
 
 }  // namespace mimbre

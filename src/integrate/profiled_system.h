@@ -74,6 +74,7 @@ class ProfiledSystem final : public System {
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override {
     return system_.tangent_changed(q, weights);
   }
+  bool tangent_fell(const MatrixWeights& weights) const override { return system_.tangent_fell(weights); }
   std::span<double> tangent_marks() override { return system_.tangent_marks(); }
   int matrices() const override { return system_.matrices(); }
   bool keeps_matrix() const override { return system_.keeps_matrix(); }

@@ -39,7 +39,8 @@ void IndexThree::decide_convergence(Attempt& t) {
   const double enough = stagnant ? std::max({asked, least_noise, noise_by_round_off * scales_.round_off})
                                  : std::min(asked, share * off);
   const double accepted = std::max(enough, std::numeric_limits<double>::epsilon());
-  t.converged = error <= accepted && t.violation * std::min(1.0, t.newton.rate) <= t.position_tolerance;
+  t.converged =
+      !t.shortened && error <= accepted && t.violation * std::min(1.0, t.newton.rate) <= t.position_tolerance;
   if (!t.by_kept || t.status.factorisations > 0 || t.newton.corrections < 2) return;
   // A matrix of an earlier step is worth another two corrections. Where it does not contract, the iterate may
   // be anywhere.

@@ -10,6 +10,10 @@ constexpr double settled = 1e-8;
 /// share of the correction before it.
 constexpr int plain_rounds = 8, loaded_rounds = 40;
 constexpr double slow_rounds = 0.2;
+/// Rounds after them, where what sticks at rest breaks away in the step.
+constexpr int broken_rounds = 12;
+/// Nonlinear, they go on until a round changes no more than this part: that of a step's iterations.
+constexpr double settled_broken = 1e-5;
 
 StepMotion::StepMotion(System& of, const IntegratorOptions& options)
     : system(of), rule(rule_coefficients(options)), penalty(options.penalty), driven(of) {
@@ -17,7 +21,8 @@ StepMotion::StepMotion(System& of, const IntegratorOptions& options)
   const int n = system.velocities();
   q.setZero(system.positions());
   for (Eigen::VectorXd* y : {&x, &v, &a, &algorithmic, &start_a, &start_algorithmic, &r_}) y->setZero(n);
-  for (Eigen::VectorXd* y : {&g_, &change_, &start_multipliers_}) y->setZero(system.equations());
+  for (Eigen::VectorXd* y : {&g_, &change_, &start_multipliers_, &stuck_multipliers_})
+    y->setZero(system.equations());
   if (system.has_loads_of_inertia()) {
     along_.setZero(system.equations() + system.velocities());
     mixing_.emplace(system.scales(), static_cast<int>(along_.size()));
@@ -106,9 +111,55 @@ StepCode StepMotion::start(const State& s, StepStatus& status) {
     start_multipliers_ = along_.head(m);
     x = along_.tail(n);
   }
+  if (const StepCode code = break_away(s, status); code != StepCode::ok) return code;
   driven.accelerate(s.time, s.q.data(), s.v.data(), start_multipliers_.data(), a.data());
   start_a = start_algorithmic = a;
   return StepCode::ok;
+}
+
+/// W has the tangents of the start, of friction at rest the stiffness of what sticks. Where such a stiffness
+/// falls within βh² a and γh a, that is where something breaks away, accelerations are those that balance the
+/// forces there, M a + Φzᵀ λ = Q(q ⊕ (h v + βh² a), v + γh a), by Newton: else half a step's acceleration
+/// would be lost. What slides already must go on there, hence h v. Where Newton does not settle, those by W
+/// stay.
+StepCode StepMotion::break_away(const State& s, StepStatus& status) {
+  const int n = system.velocities(), m = system.equations();
+  const MatrixWeights weights{rate * scale, scale, penalty};
+  const double* alpha = system.penalty();
+  const Scales& scales = system.scales();
+  const auto move = [&](double along) {
+    x = scale * a;
+    v = s.v + rate * x;
+    x += along * s.v;
+    system.retract(s.q.data(), x.data(), q.data());
+    system.residual(s.time, q.data(), v.data(), a.data(), start_multipliers_.data(), 0, r_.data());
+  };
+  move(0);
+  if (!system.tangent_fell(weights)) return StepCode::ok;
+  algorithmic = a;
+  stuck_multipliers_ = start_multipliers_;
+  for (int round = 0; round < broken_rounds; ++round) {
+    move(h);
+    if (system.tangent_changed(q.data(), weights) && !system.factor(q.data(), weights).ok()) break;
+    system.kinematics(s.time, s.q.data(), s.v.data(), a.data());
+    for (int k = 0; k < m; ++k) g_[k] = penalty * alpha[k] * system.phi_ddot()[k];
+    system.add_jacobian_transposed(g_.data(), 1, r_.data());
+    for (int k = 0; k < n; ++k) r_[k] = -r_[k];
+    system.solve(r_.data());
+    if (find_not_finite(r_.data(), n) >= 0) break;
+    a += r_;
+    system.jacobian_times(r_.data(), change_.data());
+    for (int k = 0; k < m; ++k) start_multipliers_[k] += g_[k] + penalty * alpha[k] * change_[k];
+    if (scales.of_coordinates(r_.data()) <= settled_broken * scales.accelerations(a.data()))
+      return StepCode::ok;
+  }
+  a = algorithmic;
+  start_multipliers_ = stuck_multipliers_;
+  // The tangents again that belong to these.
+  system.residual(s.time, s.q.data(), s.v.data(), a.data(), start_multipliers_.data(), 0, r_.data());
+  const linalg::FactorStatus f = system.factor(s.q.data(), weights);
+  status.coordinate = f.unknown;
+  return f.ok() ? StepCode::ok : StepCode::singular;
 }
 
 void StepMotion::predict(const State& s) {

@@ -42,7 +42,8 @@ struct StepMotion {
 
  private:
   StepCode start(const State& s, StepStatus& status);
-  Eigen::VectorXd r_, g_, change_, start_multipliers_;
+  StepCode break_away(const State& s, StepStatus& status);
+  Eigen::VectorXd r_, g_, change_, start_multipliers_, stuck_multipliers_;
   std::optional<Anderson> mixing_;  ///< of the rounds of the start, where loads of inertia stiffen bodies
   Eigen::VectorXd along_;           ///< what it mixes along: multipliers, loads
 };

@@ -191,8 +191,8 @@ class Generator {
     for (const char* member : {"start_a", "start_algorithmic", "rest_r", "unprojected", "nearest_x", "own",
                                "error", "rest", "new_x", "new_d"})
       work.add(member, n);
-    for (const char* member : {"start_multipliers", "g", "impulse", "force", "rates", "violation",
-                               "nearest_multipliers", "multipliers_before"})
+    for (const char* member : {"start_multipliers", "stuck_multipliers", "g", "impulse", "force", "rates",
+                               "violation", "nearest_multipliers", "multipliers_before"})
       work.add(member, m);
     // At the start loads of inertia are mixed with multipliers.
     const int along = recorded_->loads ? m + n : m;
@@ -292,6 +292,7 @@ class Generator {
     define("ITERATIONS", static_cast<long>(method_.max_iterations));
     define("LOADS", static_cast<long>(r.loads));
     define("START_ROUNDS", r.loads ? 40L : 8L);
+    define("BROKEN_ROUNDS", 12L);
     define("SAMPLED", std::ssize(m_.signals.sampled));
     define("DELAYS", std::ssize(r.delays));
     define("EVENTS", std::ssize(m_.spec().events));

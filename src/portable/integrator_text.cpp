@@ -459,6 +459,69 @@ static void @_from_increment(@ *s) {
   }
 }
 
+#if @_MARKED > 0
+/* The forces where accelerations at the start lead. */
+static void @_move_start(@ *s, double along) {
+  int k;
+  for (k = 0; k < @_N; ++k) {
+    s->x[k] = @_SCALE*s->a[k];
+    s->v[k] = s->state.v[k] + @_RATE*s->x[k];
+    s->x[k] += along*s->state.v[k];
+  }
+  @_retract(s);
+  memcpy(s->q, s->moved, sizeof s->q);
+  memcpy(s->multipliers, s->start_multipliers, sizeof s->start_multipliers);
+  @_signals(s, 2, s->state.time);
+  @_motion(s);
+  @_sense(s, 2);
+  @_forces_step(s);
+}
+
+/* Where what sticks at the start breaks away within the step, accelerations at which forces balance there, by Newton;
+   else, or where it does not settle, those that are known stay. */
+static int @_break_away(@ *s) {
+  int k, round, fell = 0;
+  @_move_start(s, 0.0);
+  for (k = 0; k < @_MARKED; ++k)
+    fell = fell || (s->state.mark_kept[k] - s->mark[k] > @_mark_small[k] && s->mark[k] < 0.9*s->state.mark_kept[k]);
+  if (!fell) return @_OK;
+  memcpy(s->algorithmic, s->a, sizeof s->a);
+  memcpy(s->stuck_multipliers, s->start_multipliers, sizeof s->start_multipliers);
+  for (round = 0; round < @_BROKEN_ROUNDS; ++round) {
+    @_move_start(s, @_H);
+    if (@_tangent_changed(s)) {
+      int bad;
+      memcpy(s->rest_r, s->r, sizeof s->r);
+      bad = @_factor_all(s);
+      memcpy(s->r, s->rest_r, sizeof s->r);
+      if (bad >= 0) break;
+    }
+    memcpy(s->q, s->state.q, sizeof s->q);
+    memcpy(s->v, s->state.v, sizeof s->v);
+    @_motion(s);
+    for (k = 0; k < @_M; ++k) s->g[k] = @_PENALTY*@_penalty[k]*s->phi_ddot[k];
+    @_add_jacobian_transposed(s, s->g, 1.0, s->r);
+    for (k = 0; k < @_N; ++k) s->r[k] = -s->r[k];
+    @_solve(s, s->r);
+    if (!@_all_finite(s->r, @_N)) break;
+    for (k = 0; k < @_N; ++k) s->a[k] += s->r[k];
+    @_times_jacobian(s, s->r, s->impulse);
+    for (k = 0; k < @_M; ++k) s->start_multipliers[k] += s->g[k] + @_PENALTY*@_penalty[k]*s->impulse[k];
+    if (@_of_coordinates(s->r) <= 1e-5*@_larger(@_ACCELERATION, @_of_coordinates(s->a))) return @_OK;
+  }
+  memcpy(s->a, s->algorithmic, sizeof s->a);
+  memcpy(s->start_multipliers, s->stuck_multipliers, sizeof s->start_multipliers);
+  memcpy(s->q, s->state.q, sizeof s->q);
+  memcpy(s->v, s->state.v, sizeof s->v);
+  memcpy(s->multipliers, s->start_multipliers, sizeof s->start_multipliers);
+  @_signals(s, 2, s->state.time);
+  @_motion(s);
+  @_sense(s, 2);
+  @_forces_step(s);
+  return @_factor_all(s) < 0 ? @_OK : @_SINGULAR;
+}
+#endif
+
 /* Accelerations at the start of the first step, as a step of its length sees them. */
 static int @_start(@ *s) {
   const int instant = @_rest_instant(s);
@@ -521,6 +584,9 @@ static int @_start(@ *s) {
     for (k = 0; k < @_M; ++k) s->start_multipliers[k] = s->along[k];
 #endif
   }
+#if @_MARKED > 0
+  if (@_break_away(s) != @_OK) return @_SINGULAR;
+#endif
   memcpy(s->start_a, s->a, sizeof s->a);
   memcpy(s->start_algorithmic, s->a, sizeof s->a);
   return @_OK;

@@ -135,6 +135,21 @@ TEST_P(Contact, WithoutFrictionItSlidesFromTheFirstStep) {
   }
 }
 
+/// What friction cannot hold has the acceleration of what slides from the first instant, though it starts at
+/// rest, where bristles stick.
+TEST_P(Contact, WithTooLittleFrictionItSlidesFromTheFirstStep) {
+  const double slope = 0.3, friction = 0.1;
+  Simulation simulation = simulation_of(box_on_slope(slope, friction), GetParam());
+  const auto along = [&] {
+    return std::cos(slope) * channel(simulation, "x") - std::sin(slope) * channel(simulation, "z");
+  };
+  const double start = along(), a = 9.81 * (std::sin(slope) - friction * std::cos(slope));
+  for (int k = 1; k <= 3; ++k) {
+    run_to(simulation, 0.01 * k);
+    EXPECT_NEAR(along() - start, 0.5 * a * 1e-4 * k * k, 1e-3 * 0.5 * a * 1e-4) << k;
+  }
+}
+
 /// m a = −F, J α = F r − M: a = 5/7 of g times the arm by the radius. Then it rests.
 /// A wedge of 10 degrees under a press of 200 N: where both of its sides rub by more than half of its angle
 /// it is locked for good; where they do not it is pressed out.

@@ -47,6 +47,89 @@ TEST_P(Friction, ABlockOnASlopeStaysWhereItIs) {
   EXPECT_NEAR(channel(dropped, "x"), then, 1e-9);
 }
 
+/// With the acceleration of what slides from the first instant, whatever the step, also beside a wheel that
+/// is braked already, and whose bristles stay bent.
+TEST_P(Friction, WhatCannotStickSlidesFromTheFirstStep) {
+  for (const double step : {0.01, 0.001}) {
+    Simulation simulation = simulation_of(fmt::format(R"y(
+gravity: [3, 0, -9.81]
+bodies:
+  block: {{mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+  held: {{mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+  wheel: {{mass: 1, com: [0, 0, 0], inertia: [0.2, 0.2, 0.2]}}
+joints:
+  guide: {{type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0]}}
+  other: {{type: prismatic, between: [ground, held], at: [0, 1, 0], axis: [1, 0, 0]}}
+  axle: {{type: revolute, between: [ground, wheel], at: [0, 2, 0], axis: [0, 1, 0], velocity: 1}}
+frictions:
+  slides: {{joint: guide, force: 1, sticking: 1e-9}}
+  sticks: {{joint: other, force: 7}}
+  brake: {{joint: axle, torque: 0.5}}
+outputs:
+  - {{name: x, joint: guide}}
+  - {{name: v, joint_velocity: guide}}
+  - {{name: still, joint: other}}
+  - {{name: rate, joint_velocity: axle}}
+simulation: {{step: {}, end: 1}}
+)y",
+                                                      step),
+                                          GetParam(), step);
+    for (int k = 1; k <= 10; ++k) {
+      ASSERT_TRUE(simulation.step().ok());
+      const double t = step * k;
+      EXPECT_NEAR(channel(simulation, "v"), 2.5 * t, 1e-8) << k;
+      EXPECT_NEAR(channel(simulation, "x"), 1.25 * t * t, 1e-10) << k;
+      EXPECT_NEAR(channel(simulation, "still"), 0, 5e-5) << k;
+      EXPECT_NEAR(channel(simulation, "rate"), 1 - 2.5 * t, 1e-4) << k;
+    }
+  }
+}
+
+/// Four hinges of a loop rub and bring it to rest, where the bristles stop to matter the stiffer they are:
+/// Newton has to find the narrow range in which they stick between sliding forth and back.
+TEST_P(Friction, HoweverStiffTheBristlesALoopComesToRest) {
+  const auto rest = [&](double sticking) {
+    std::string frictions;
+    for (const char joint : {'a', 'b', 'c', 'd'})
+      frictions += fmt::format("{0}: {{joint: {0}, torque: 1, sticking: {1}}}, ", joint, sticking);
+    Simulation simulation = simulation_of(fmt::format(R"y(
+bodies:
+  crank: {{mass: 1, com: [0, 0, 0.25], inertia: [0.02, 0.02, 0.001]}}
+  rod: {{mass: 2, com: [0.5, 0, 0.5], inertia: [0.001, 0.17, 0.17]}}
+  rocker: {{mass: 1, com: [1, 0, 0.25], inertia: [0.02, 0.02, 0.001]}}
+joints:
+  a: {{type: revolute, between: [ground, crank], at: [0, 0, 0], axis: [0, 1, 0], velocity: 1}}
+  b: {{type: revolute, between: [crank, rod], at: [0, 0, 0.5], axis: [0, 1, 0]}}
+  c: {{type: revolute, between: [rod, rocker], at: [1, 0, 0.5], axis: [0, 1, 0]}}
+  d: {{type: revolute, between: [ground, rocker], at: [1, 0, -0.2], axis: [0, 1, 0]}}
+frictions: {{{}}}
+outputs: [{{name: angle, joint: a}}, {{name: rate, joint_velocity: a}}]
+simulation: {{step: 0.005, end: 1}}
+)y",
+                                                      frictions),
+                                          GetParam(), 0.005);
+    for (int k = 0; k < 200; ++k) EXPECT_TRUE(simulation.step().ok()) << sticking;
+    EXPECT_NEAR(channel(simulation, "rate"), 0, 1e-6);
+    return channel(simulation, "angle");
+  };
+  const double soft = rest(1e-5);
+  for (const double sticking : {1e-6, 1e-7, 1e-8, 1e-9, 1e-10}) EXPECT_NEAR(rest(sticking), soft, 2e-5);
+}
+
+TEST_P(Friction, ShortBristlesHoldABlockAtOnce) {
+  for (const double sticking : {1e-5, 1e-7, 1e-9})
+    for (const double share : {0.1, 0.5, 0.86, 0.99}) {
+      Simulation simulation =
+          simulation_of(slope(std::tan(std::numbers::pi / 6) / share, fmt::format("sticking: {}", sticking)),
+                        GetParam(), 0.01);
+      for (int k = 0; k < 50; ++k) ASSERT_TRUE(simulation.step().ok()) << sticking << ' ' << share;
+      // Half of the limit times the bend is stored, the rest of the load's work slides away.
+      const double slides = share > 0.5 ? (share - 0.5) / (1 - share) : 0;
+      EXPECT_LT(channel(simulation, "x"), (1 + slides) * sticking) << sticking << ' ' << share;
+      EXPECT_NEAR(channel(simulation, "v"), 0, 1e-3 * sticking) << sticking << ' ' << share;
+    }
+}
+
 TEST_P(Friction, AboveTheAngleOfFrictionItSlides) {
   Simulation simulation = simulation_of(slope(0.3, "sticking: 1e-9"), GetParam(), 0.001);
   const double angle = std::numbers::pi / 6, acceleration = 9.81 * (std::sin(angle) - 0.3 * std::cos(angle));

@@ -48,6 +48,9 @@ class NaturalSystem final : public System {
   const linalg::BlockSymbolic& pattern() const override { return *layout_.symbolic; }
   void matrix_values(const double* q, const MatrixWeights& weights, double* values) override;
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override;
+  bool tangent_fell(const MatrixWeights& weights) const override {
+    return marks_.fell(model_, work_.elements.data(), weights);
+  }
   std::span<double> tangent_marks() override { return marks_.values(); }
   void add_jacobian_transposed(const double* y, double weight, double* out) const override;
   void jacobian_times(const double* x, double* out) const override;

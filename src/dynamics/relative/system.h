@@ -49,6 +49,9 @@ class RelativeSystem final : public System {
   const linalg::BlockSymbolic& pattern() const override { return model_.symbolic; }
   void matrix_values(const double* q, const MatrixWeights& weights, double* values) override;
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override;
+  bool tangent_fell(const MatrixWeights& weights) const override {
+    return marks_.fell(model_, work_.elements.data(), weights);
+  }
   std::span<double> tangent_marks() override { return marks_.values(); }
   int matrices() const override { return matrices_; }
   bool keeps_matrix() const override { return keeps_matrix_; }
