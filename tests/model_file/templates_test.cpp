@@ -531,5 +531,34 @@ simulation: {step: 0.001, end: 1}
   }
 }
 
+/// A bushing to the ground whose axes are not given has those of its part, turned and mirrored with it: under
+/// a load along the part's x each moves by that over the first stiffness.
+TEST(Templates, BushingsToTheGroundTurnWithTheirPart) {
+  const std::vector<double> at = channels_after(read(R"y(mimbre: 1
+gravity: [0, 0, 0]
+subsystems:
+  part:
+    bodies: {b: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+    bushings:
+      u: {between: [ground, b], at: [0, 0, 0], stiffness: [100, 1000, 10000, 1000, 1000, 1000],
+        damping: [20, 60, 200, 60, 60, 60]}
+    loads: {l: {on: b, at: [0, 0, 0], force: [1, 0, 0]}}
+    outputs:
+      - {name: "{instance}.x", position: b, component: x}
+      - {name: "{instance}.y", position: b, component: y}
+instances:
+  drawn: {of: part}
+  turned: {of: part, rotate: [0, 0, pi/2]}
+  mirrored: {of: part, rotate: [0, 0, pi/2], mirror: y}
+simulation: {step: 0.01, end: 20}
+)y"),
+                                                2000);
+  const double x[] = {0.01, 0, 0}, y[] = {0, 0.01, 0.01};
+  for (std::size_t k = 0; k < 3; ++k) {  // x of all instances, then y
+    EXPECT_NEAR(at[k], x[k], 1e-9) << k;
+    EXPECT_NEAR(std::abs(at[3 + k]), y[k], 1e-9) << k;
+  }
+}
+
 }  // namespace
 }  // namespace mimbre::templates_test

@@ -186,11 +186,12 @@ void read_bushing(Builder& builder, const Part& part, const Value& value, spec::
   e.on = spec::Element::On::frames;
   std::tie(e.frame_a, e.frame_b) = read_ends(builder, part, fields, e.name, true);
   if (e.frame_a < 0) return;
-  if (fields.has("x") || fields.has("y") || fields.has("z")) {
-    const Value between = *fields.get("between");
-    const Eigen::Matrix3d axes = read_pose(part, fields, Eigen::Vector3d::Zero()).rotation;
+  const Value between = *fields.get("between");
+  const Eigen::Matrix3d axes = read_pose(part, fields, Eigen::Vector3d::Zero()).rotation;
+  const bool turned = fields.has("x") || fields.has("y") || fields.has("z");
+  // The ground's axes in a part are those of the part.
+  if (turned || (between.list().front().word() == "ground" && !axes.isIdentity()))
     e.frame_a = turned_frame(builder, e.frame_a, e.name + ".axes", axes, between);
-  }
   if (e.frame_a < 0) return;
   e.numbers.assign(72, 0.0);
   const auto put = [&](const char* key, bool rate, std::size_t first) {
