@@ -13,13 +13,15 @@ constexpr double closed_loops = 1e-12,
                  nearly_closed_loops = 1e-9;  ///< of violations by the scales of the equations
 constexpr double dependent_equations =
     1e-9;  ///< of what an equation adds to others, as a share of the largest
+/// The same where a position is singular but for round-off and errors of extrapolation.
+constexpr double nearly_dependent_equations = 1e-3;
 constexpr double longest_change = 0.5;
-constexpr int most_closing_rounds = 40;
+constexpr int most_closing_rounds = 40, arriving_rounds = 3;
 
 }  // namespace
 
 DrivenMotion::DrivenMotion(relative::RelativeSystem& system, std::vector<char> leads)
-    : system_(system), leads_(std::move(leads)) {
+    : system_(system), leads_(std::move(leads)), dependent_(dependent_equations) {
   const Compiled& m = system.model();
   scale_ = Eigen::Map<const Eigen::VectorXd>(system.scales().coordinates.data(), system.velocities());
   rigid_ = scale_;
@@ -71,8 +73,8 @@ Eigen::VectorXd DrivenMotion::follow(const Eigen::MatrixXd& jacobian, const doub
   if (jacobian.size() == 0 || !jacobian.allFinite() || jacobian.cwiseAbs().maxCoeff() < 1e-13)
     return Eigen::VectorXd::Zero(system_.velocities());
   const auto solution = [&](const Eigen::VectorXd& weight) {
-    return Eigen::VectorXd(weight.cwiseProduct(
-        Eigen::VectorXd(shortest_solution(moving(jacobian, weight), right, dependent_equations))));
+    return Eigen::VectorXd(
+        weight.cwiseProduct(Eigen::VectorXd(shortest_solution(moving(jacobian, weight), right, dependent_))));
   };
   return solution(flexes_ ? scale_ : rigid_);
 }
@@ -106,9 +108,33 @@ bool DrivenMotion::close(State& s) {
     positions();
   }
   if (!(violation_ <= nearly_closed_loops)) return false;
-  const Eigen::MatrixXd jacobian = this->jacobian(s);
   s.v.setZero(n);
   s.a.setZero(n);
+  follow_rates(s);
+  return true;
+}
+
+bool DrivenMotion::arrive(State& s) {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(system_.velocities());
+  system_.begin_step(s.q.data());
+  dependent_ = nearly_dependent_equations;
+  for (int round = 0; round < arriving_rounds; ++round) {
+    system_.kinematics(s.time, s.q.data(), zero.data(), zero.data());
+    const Eigen::VectorXd phi = Eigen::Map<const Eigen::VectorXd>(system_.phi(), system_.equations());
+    violation_ = leading(phi.data());
+    if (!std::isfinite(violation_)) break;
+    const Eigen::VectorXd x = follow(jacobian(s), phi.data());
+    system_.retract(s.q.data(), x.data(), s.q.data());
+  }
+  follow_rates(s);
+  dependent_ = dependent_equations;
+  return violation_ <= nearly_closed_loops;
+}
+
+/// Velocities and accelerations of the equations, by the least change of those that are there.
+void DrivenMotion::follow_rates(State& s) {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(system_.velocities());
+  const Eigen::MatrixXd jacobian = this->jacobian(s);
   for (int round = 0; round < 2; ++round) {
     system_.kinematics(s.time, s.q.data(), s.v.data(), zero.data());
     s.v += follow(jacobian, system_.phi_dot());
@@ -118,7 +144,6 @@ bool DrivenMotion::close(State& s) {
     s.a += follow(jacobian, system_.phi_ddot());
   }
   s.algorithmic = s.a;
-  return true;
 }
 
 }  // namespace mimbre

@@ -32,6 +32,7 @@ constexpr double unbalanced = 1e-7;  ///< of the forces at play, that no force w
 constexpr double balanced_forces = 1e-11;    ///< likewise in a quasi-static balance
 constexpr double tangent_difference = 1e-6;  ///< of motions by their scales, for its tangent
 constexpr int most_balance_rounds = 60;
+constexpr int most_parts_of_way = 100000;
 constexpr double slow_balance = 0.3;  ///< ratio of residuals from which on its tangent is made anew
 
 [[noreturn]] void fail(double time, const std::string& text) {
@@ -407,11 +408,24 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times, double b
       system_.enter(s.u.data(), s.z.data(), 0);
     }
   };
+  // Far ones in parts, so that turns are counted and loops stay on their branch.
+  const auto go_in_parts = [&](double to, Eigen::Index instant) {
+    for (int part = 0; part < most_parts_of_way; ++part) {
+      const double h = to - s.time;
+      const VectorXd x = h * s.v + 0.5 * h * h * s.a;
+      const double moved = system_.scales().of_coordinates(x.data());
+      if (!(moved > most_moved)) break;
+      const double next = s.time + h * std::max(most_moved / moved, 1e-3);
+      if (!(next > s.time && next < to)) break;
+      go(next, -1);
+    }
+    go(to, instant);
+  };
   // Blocks remember from the beginning on, by steps of the model.
   const bool blocks = m_.signals.clock >= 0;
   const auto follow_blocks = [&](double to) {
     const double from = s.time, parts = std::ceil((to - from) / m_.spec().simulation.step * (1 - 1e-9));
-    for (double k = 1; k < parts; ++k) go(from + (to - from) * k / parts, -1);
+    for (double k = 1; k < parts; ++k) go_in_parts(from + (to - from) * k / parts, -1);
   };
   if (blocks && times.front() > begin) {
     s = first;
@@ -420,7 +434,7 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times, double b
   }
   for (std::size_t k = 0; k < times.size(); ++k) {
     if (blocks && times[k] > s.time) follow_blocks(times[k]);
-    go(times[k], static_cast<Eigen::Index>(k));
+    go_in_parts(times[k], static_cast<Eigen::Index>(k));
   }
   judge(out);
   if (out.redundant > 0)

@@ -26,8 +26,9 @@ constexpr double dependent_rows = 1e-9;  ///< of equations, by their scales
 constexpr double singular_share =
     1e-6;                              ///< of the least singular value, as a share of the largest on the way
 constexpr double near_singular = 0.3;  ///< likewise: minima above are not looked at
+constexpr double at_singular = 1e-4;   ///< likewise, where it is that of round-off
+constexpr double arrival = 0.02;       ///< of the way there, from where velocities are known
 constexpr double shortest_part = 1e-11;  ///< part of the whole time, of the search for a limit
-constexpr double most_moved = 0.5;       ///< from one position to the next, by the scales
 constexpr double resting = 1e-9;         ///< of rates, as a share of the largest
 
 class Walk {
@@ -53,6 +54,7 @@ class Walk {
       std::fill_n(remembers_.begin() + block.held, block.memory(), 1);
       std::fill_n(remembers_.begin() + m_.signals.clock, 2, 1);
     }
+    has_memory_ = !remembers_.empty() || !m_.states.empty();
   }
 
   Kinematics follow();
@@ -86,9 +88,10 @@ class Walk {
   void count(const State& s, Kinematics& out);
   bool go(State& s, double to);
   bool go_at_once(State& s, double to);
+  void arrive(const State& from, State& to);
   /// Evaluations are of what this state remembers from here on, h after it.
   void enter(const State& s, double h);
-  /// Blocks of the time that drives may follow remember the instant of the last evaluation.
+  /// Turns are counted from here on, and blocks of the time that drives may follow remember the instant.
   void remember(State& s);
   /// Between two instants, which are followed from a state; blocks go forwards only.
   void look_for_singular(const State& from, double begin, double end, Kinematics& out);
@@ -106,7 +109,10 @@ class Walk {
   std::vector<Coordinate> coordinates_;
   std::vector<std::pair<int, int>> joint_columns_;
   int rank_ = 0;                 ///< of the Jacobian with drives
+  double regular_ = 0;           ///< the largest least singular value so far
+  bool arriving_ = false;        ///< next to a singular position
   std::vector<char> remembers_;  ///< by number of State::u: it is a block's of the time
+  bool has_memory_ = false;      ///< these, or laws and constraints, remember something
   VectorXd u_, z_;               ///< that are entered
 };
 
@@ -157,12 +163,19 @@ void Walk::enter(const State& s, double h) {
 }
 
 void Walk::remember(State& s) {
-  if (remembers_.empty()) return;
-  const VectorXd before = s.u;
-  commit_blocks(m_, system_, s);
-  for (Eigen::Index k = 0; k < s.u.size(); ++k)
-    if (!remembers_[static_cast<std::size_t>(k)]) s.u[k] = before[k];
-  enter(s, 0);
+  if (!m_.states.empty()) {
+    const VectorXd none = VectorXd::Zero(m_.equations);
+    VectorXd r(m_.velocities);
+    system_.residual(s.time, s.q.data(), s.v.data(), s.a.data(), none.data(), 0, r.data());
+    system_.keep_turns(s.z.data());
+  }
+  if (!remembers_.empty()) {
+    const VectorXd before = s.u;
+    commit_blocks(m_, system_, s);
+    for (Eigen::Index k = 0; k < s.u.size(); ++k)
+      if (!remembers_[static_cast<std::size_t>(k)]) s.u[k] = before[k];
+  }
+  if (has_memory_) enter(s, 0);
 }
 
 /// From the state to another instant; false, and the state stays, where the loops do not close near it.
@@ -180,7 +193,7 @@ bool Walk::go(State& s, double to) {
 
 bool Walk::go_at_once(State& s, double to) {
   const double h = to - s.time, half = s.time + 0.5 * h;
-  if (!remembers_.empty()) enter(s, h);
+  if (has_memory_) enter(s, h);
   const VectorXd x = h * s.v + 0.5 * h * h * s.a;
   const double moved = system_.scales().of_coordinates(x.data());
   const auto leads = [&](double share) {
@@ -188,6 +201,7 @@ bool Walk::go_at_once(State& s, double to) {
     system_.retract(s.q.data(), VectorXd(share * x).data(), next.q.data());
     next.time = to;
     if (!motion_.close(next) || motion_.change() > 0.05 + 0.5 * share * moved) return false;
+    if (rank_ > 0 && h > 0 && !arriving_ && least_value(next) < at_singular * regular_) arrive(s, next);
     remember(next);
     s = next;
     return true;
@@ -202,6 +216,23 @@ bool Walk::go_at_once(State& s, double to) {
   if (!go_at_once(next, half) || !go_at_once(next, to)) return false;
   s = next;
   return true;
+}
+
+/// In a singular position the equations do not determine velocities: they are those of the way there.
+void Walk::arrive(const State& from, State& to) {
+  arriving_ = true;
+  State before = from, there;
+  const double left = arrival * (to.time - from.time);
+  if (go_at_once(before, to.time - left)) {
+    there = before;
+    const VectorXd x = left * before.v + 0.5 * left * left * before.a;
+    system_.retract(before.q.data(), x.data(), there.q.data());
+    there.v += left * before.a;
+    there.time = to.time;
+    if (motion_.arrive(there)) to = there;
+  }
+  if (has_memory_) enter(from, to.time - from.time);
+  arriving_ = false;
 }
 
 void Walk::add(Kind kind, const State& s, const JointCoordinate& of, double position, Kinematics& out) {
@@ -381,6 +412,7 @@ std::vector<State> Walk::steps(State& s, double end, bool& complete) {
   std::vector<State> states{s};
   const double h = (end - options_.start) / options_.steps;
   for (int k = 1; k <= options_.steps && h > 0; ++k) {
+    regular_ = std::max(regular_, least_value(s));
     const double to = options_.start + h * k;
     double part = h;
     while (s.time < to && complete) {
@@ -414,7 +446,7 @@ void Walk::record(const std::vector<State>& states, Kinematics& out) {
       out.velocity(k, column) = now.v[coordinates_[c].v];
       out.acceleration(k, column) = now.a[coordinates_[c].v];
     }
-    if (!remembers_.empty()) enter(now, 0);
+    if (has_memory_) enter(now, 0);
     system_.begin_step(now.q.data());
     system_.kinematics(now.time, now.q.data(), now.v.data(), now.a.data());
     out.rows.push_back(rows_.row(system_, now));

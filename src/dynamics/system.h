@@ -42,6 +42,8 @@ class System {
   /// What evaluations take from now on as held inputs (State::u) and as the states of force elements at
   /// the start of a step of that length (State::z; 0: at rest). Both have to stay where they are.
   virtual void enter(const double* held, const double* states, double step) = 0;
+  /// Whether evaluations are of SignalValues::holds. False: nothing in the model heeds that.
+  virtual bool hold_sticking(bool on) = 0;
   /// Equations of velocities alone (rolling) have no value by positions. Where an integrator makes velocities
   /// of an increment x by ∂v/∂x = 1/`time`, their value is Φ = time · Φ̇, whose derivative by x is the
   /// Jacobian as of any other equation. With 0, as at first, they hold in velocities and accelerations only.
@@ -49,6 +51,8 @@ class System {
   /// r = M(q) a − Q(t, q, v) + Φzᵀ μ with μ = multipliers + factor·α Φ(q). Also evaluates the equations.
   virtual void residual(double t, const double* q, const double* v, const double* a,
                         const double* multipliers, double factor, double* r) = 0;
+  /// Takes over into `states` (State::z) which turn things are in as of the last residual (dynamics/turns.h).
+  virtual void keep_turns(double* states) const = 0;
   /// Evaluates positions, velocities, accelerations and the equations only.
   virtual void kinematics(double t, const double* q, const double* v, const double* a) = 0;
   /// Φ, Φ̇, Φ̈ of the last evaluation.

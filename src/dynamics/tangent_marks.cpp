@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "compile/find_scales.h"
+#include "forces/table.h"
 
 namespace mimbre {
 namespace {
@@ -25,7 +26,12 @@ bool measures_angle(const ElementData& e) {
 }  // namespace
 
 TangentMarks::TangentMarks(const Compiled& m)
-    : ancf_(m.elements.size()), values_(ancf_ + ancf::all_marks(m)), small_(ancf_ + m.bodies.size()) {
+    : ancf_(m.elements.size()),
+      sticks_(std::any_of(
+          m.elements.begin(), m.elements.end(),
+          [](const ElementData& e) { return forces::infos[static_cast<std::size_t>(e.law)]->sticks; })),
+      values_(ancf_ + ancf::all_marks(m)),
+      small_(ancf_ + m.bodies.size()) {
   const BodyResistances resistances(m);
   const double mass = m.mass_scale, inertia = mass * m.length_scale * m.length_scale;
   const auto small = [&](const BodyResistance& least, bool angle) {

@@ -27,6 +27,8 @@ class TangentMarks {
  public:
   explicit TangentMarks(const Compiled& m);
   std::span<double> values() { return values_; }
+  /// Whether there is an element that heeds LawContext::holds.
+  bool sticks() const { return sticks_; }
   double& element(std::size_t k) { return values_[k]; }
   double* ancf() { return values_.data() + ancf_; }
   /// Changes of an element's mark that ask for a new matrix are larger than this.
@@ -66,6 +68,7 @@ class TangentMarks {
  private:
   static constexpr double fallen = 0.9;
   std::size_t ancf_;
+  bool sticks_;
   std::vector<double> values_;
   std::vector<double> small_;  ///< of elements, then of bodies
 };

@@ -91,6 +91,7 @@ struct LawContext {
   const T* states;   ///< of this element at the start of the step
   double step;       ///< s; 0: a position at rest, in which what relaxes has relaxed
   const T* all_numbers = numbers_of<T>(model);
+  T holds = T(0);  ///< 1: what sticks as the step begins sticks (SignalValues::holds)
 
   const T* numbers() const { return all_numbers + element.numbers; }
   const FunctionData& function(int k) const { return model.functions[element.functions + k]; }

@@ -26,6 +26,9 @@ constexpr int bend = 0, rate = 1, place = 2, known = 3;
 /// What starts slower than this share of `stribeck` is at rest.
 constexpr double still = 1e-7;
 
+/// Square of the share of their whole bend up to which bristles stick.
+constexpr double nearly = 1 - 1e-6;
+
 /// The default of `sticking`, by the length scale, or in rad.
 constexpr double usual_sticking = 1e-5;
 
@@ -63,7 +66,11 @@ Bristles<T> bristles(const LawContext<T>& c, const T& x, const T& v) {
   const T trial = k * bent + whole * moved + kept;
   // At the limit, and going on: it slides, with the tangents of that.
   const T reach = select(T(trial * v) > T(0), T(1 - 1e-12), T(1));
-  const auto sliding = trial * trial > reach * limit * limit;
+  // The first iterate of a step may lie far beyond the little way on which it sticks.
+  const auto stuck =
+      c.holds > T(0.5) && begun && (trial * bent < T(0) || bent * bent < T(nearly) * full * full);
+  const T most = select(stuck, T(trial * trial), T(reach * limit * limit));
+  const auto sliding = trial * trial > most;
   const T side = select(trial > T(0), T(1), T(-1));
   // Sliding: k z + damped (z − z before) + kept = ± limit.
   const T held = select(whole > T(0), T((side * limit - kept + damped * bent) / (whole + T(1e-300))), T(0));
@@ -150,6 +157,7 @@ struct Friction {
                                 .numbers = numbers,
                                 .arguments = 1,
                                 .states = 4,
+                                .sticks = true,
                                 .derived = derived,
                                 .set_scales = set_scales,
                                 .drawn_at_joint = "friction"};

@@ -81,7 +81,9 @@ StepStatus IndependentStepper::step(State& s) {
   bool converged = false;
   for (int iteration = 0; iteration < options_.max_iterations && !converged; ++iteration) {
     ++status.iterations;
+    const bool held = iteration == 0 && system_.hold_sticking(true);
     const StepCode code = evaluate(s, status);
+    if (held) system_.hold_sticking(false);
     if (code != StepCode::ok) return fail(code);
     for (int k = 0; k < m; ++k) violation_[k] = -system_.phi()[k];
     // Of velocities alone: that of the velocities that the increment makes.
@@ -102,6 +104,7 @@ StepStatus IndependentStepper::step(State& s) {
     if (newton.slow) mixing_.mix(motion_.x, none_, delta_);
     const double left = newton.add(status.correction, true);
     converged =
+        !held &&
         left <= options_.tolerance * motion_.scale * system_.scales().accelerations(motion_.a.data()) &&
         violation * std::min(1.0, newton.rate) <= options_.position_tolerance;
   }

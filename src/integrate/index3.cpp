@@ -113,7 +113,9 @@ IndexThree::Attempt IndexThree::attempt(State& s, bool precise) {
   if (t.status.code != StepCode::ok) return t;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const bool last = options_.fixed_cost && iteration + 1 == options_.max_iterations;
+    t.held = t.predicted && system_.hold_sticking(true);
     evaluate(s, t);
+    if (t.held) system_.hold_sticking(false);
     if (std::exchange(t.predicted, false) && replace_prediction(s, t)) continue;
     if (!find_correction(t)) return t;
     update_multipliers(t, iteration);

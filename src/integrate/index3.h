@@ -44,6 +44,7 @@ class IndexThree final : public Stepper {
     bool refactored = false;   ///< the last correction is by a new matrix
     bool by_kept = false;      ///< the first ones are by that of an earlier step
     bool assembled = false;    ///< one is by a matrix of the step, not only by exchanged tangents
+    bool held = false;         ///< the iterate's forces are those of friction that goes on sticking
     bool shortened = false;    ///< the last correction went too far
     bool leaps = false;        ///< one of them did
     bool settled = false;      ///< the multipliers do not change any more

@@ -57,7 +57,9 @@ StepStatus LagrangeStepper::step(State& s) {
   NewtonProgress newton;
   bool converged = false;
   for (int iteration = 0; iteration < options_.max_iterations && !converged; ++iteration) {
+    const bool held = iteration == 0 && system_.hold_sticking(true);
     evaluate();
+    if (held) system_.hold_sticking(false);
     ++status.iterations;
     if (const int bad = find_not_finite(r_.data(), n); bad >= 0) {
       status.coordinate = bad;
@@ -88,7 +90,7 @@ StepStatus LagrangeStepper::step(State& s) {
     system_.compose(motion_.x.data(), delta_.data());
     if (newton.slow) mixing_.mix(motion_.x, lambda_, delta_);
     const double left = newton.add(status.correction, fresh);
-    converged = left <= enough * motion_.scale && violation * std::min(1.0, newton.rate) <= enough;
+    converged = !held && left <= enough * motion_.scale && violation * std::min(1.0, newton.rate) <= enough;
   }
   if (!converged) return fail(StepCode::not_converged);
   evaluate();

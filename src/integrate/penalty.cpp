@@ -50,8 +50,10 @@ StepStatus PenaltyStepper::step(State& s) {
   bool converged = false, settled = false;
   for (int iteration = 0; iteration < options_.max_iterations && !converged; ++iteration) {
     motion_.from_increment(s);
+    const bool held = iteration == 0 && system_.hold_sticking(true);
     system_.residual(time, motion_.q.data(), motion_.v.data(), motion_.a.data(), lambda_.data(), 0,
                      r_.data());
+    if (held) system_.hold_sticking(false);
     ++status.iterations;
     if (iteration == 0 && system_.scales().of_equations(system_.phi()) >
                               0.05 * system_.scales().of_coordinates(motion_.x.data())) {
@@ -93,8 +95,8 @@ StepStatus PenaltyStepper::step(State& s) {
     system_.compose(motion_.x.data(), r_.data());
     if (newton.slow) mixing_.mix(motion_.x, lambda_, r_);
     const double left = newton.add(status.correction, fresh);
-    converged =
-        left <= enough * motion_.scale && (!augmented_ || violation * std::min(1.0, newton.rate) <= enough);
+    converged = !held && left <= enough * motion_.scale &&
+                (!augmented_ || violation * std::min(1.0, newton.rate) <= enough);
   }
   if (!converged) return fail(StepCode::not_converged);
   if (settled) lambda_ += g_;

@@ -74,6 +74,8 @@ class ProfiledSystem final : public System {
   bool tangent_changed(const double* q, const MatrixWeights& weights) const override {
     return system_.tangent_changed(q, weights);
   }
+  void keep_turns(double* states) const override { system_.keep_turns(states); }
+  bool hold_sticking(bool on) override { return system_.hold_sticking(on); }
   bool tangent_fell(const MatrixWeights& weights) const override { return system_.tangent_fell(weights); }
   std::span<double> tangent_marks() override { return system_.tangent_marks(); }
   int matrices() const override { return system_.matrices(); }

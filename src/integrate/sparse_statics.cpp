@@ -117,6 +117,7 @@ class ScaledSystem {
     system_.retract(q.data(), step.data(), out.data());
   }
 
+  void keep_turns(double* states) const { system_.keep_turns(states); }
   const VectorXd& scale() const { return scale_; }
   VectorXd unscaled(const VectorXd& multipliers) const { return rows_.cwiseProduct(multipliers); }
   int coordinates() const { return n_; }
@@ -174,6 +175,7 @@ class SparseSearch {
     s.v.setZero(n);
     s.a.setZero(n);
     s.algorithmic.setZero(n);
+    system.enter(s.u.data(), s.z.data(), 0);
     system.begin_step(s.q.data());
     Matrix mass = scaled_.mass(s.q, multipliers_);
     const VectorXd diagonal = mass.diagonal().cwiseAbs();
@@ -255,6 +257,7 @@ bool SparseSearch::evaluate(Point& at, StaticsStatus& status) {
   at.violation = scaled_.violation(s_.q, at.off);
   scaled_.kinds(status);
   at.r = forces(s_.q, multipliers_);
+  scaled_.keep_turns(s_.z.data());
   if (!at.r.allFinite()) return false;
   K_ = scaled_.stiffness(s_.q, multipliers_, false);
   return true;
@@ -542,18 +545,19 @@ StaticsStatus find_sparse_equilibrium(System& system, const linalg::ColumnColour
     search.finish();
     return status;
   }
-  State other = start;
-  sparse_search::SparseSearch by_loads(system, colours, other);
+  search.finish();
+  const State there = s;
+  s = start;
+  sparse_search::SparseSearch by_loads(system, colours, s);
   StaticsStatus next = by_loads.run_by_loads();
   if (!next.converged) {
-    search.finish();
+    s = there;
     return status;
   }
   by_loads.judge_stability(next, growing);
   by_loads.finish();
   next.sparse = true;
   next.iterations += status.iterations;
-  s = std::move(other);
   return next;
 }
 

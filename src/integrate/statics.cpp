@@ -250,6 +250,7 @@ MatrixXd EquilibriumSearch::permitted_motions() {
 }
 
 void EquilibriumSearch::begin() {
+  system_.enter(s_.u.data(), s_.z.data(), 0);
   system_.begin_step(s_.q.data());
   const VectorXd r = forces(s_.q, zero_);
   mass_ = mass_matrix(r);
@@ -267,6 +268,7 @@ EquilibriumSearch::Balance EquilibriumSearch::look(StaticsStatus& status) {
   }
   Balance out;
   out.forces = forces(s_.q, zero_);
+  system_.keep_turns(s_.z.data());
   if (m_ > 0) {
     out.violation = scales_.of_equations(system_.phi());
     scales_.of_kinds(system_.phi(), status.position_violation, status.angle_violation);
@@ -397,11 +399,14 @@ StaticsStatus find_equilibrium(System& system, State& s, int most_steps) {
   StaticsStatus status = search.run(false, most_steps);
   status.iterations += near.iterations;
   if (status.converged) return status;
-  State other = start;
-  StaticsStatus next = EquilibriumSearch(system, other).run(true, most_steps);
-  if (!next.converged) return status;
+  const State there = s;
+  s = start;
+  StaticsStatus next = EquilibriumSearch(system, s).run(true, most_steps);
+  if (!next.converged) {
+    s = there;
+    return status;
+  }
   next.iterations += status.iterations;
-  s = std::move(other);
   return next;
 }
 

@@ -39,8 +39,8 @@ void IndexThree::decide_convergence(Attempt& t) {
   const double enough = stagnant ? std::max({asked, least_noise, noise_by_round_off * scales_.round_off})
                                  : std::min(asked, share * off);
   const double accepted = std::max(enough, std::numeric_limits<double>::epsilon());
-  t.converged =
-      !t.shortened && error <= accepted && t.violation * std::min(1.0, t.newton.rate) <= t.position_tolerance;
+  t.converged = !t.held && !t.shortened && error <= accepted &&
+                t.violation * std::min(1.0, t.newton.rate) <= t.position_tolerance;
   if (!t.by_kept || t.status.factorisations > 0 || t.newton.corrections < 2) return;
   // A matrix of an earlier step is worth another two corrections. Where it does not contract, the iterate may
   // be anywhere.
@@ -72,7 +72,8 @@ void IndexThree::end_positions(const State& s, Attempt& t) {
   // Not the penalty's force of the remaining violation, which is round-off times a large number.
   if (t.settled) lambda_ += force_;
   force_.setZero();
-  t.velocity_tolerance = options_.velocity_tolerance * scales_.rate(motion_.v.data());
+  t.velocity_tolerance =
+      std::max(options_.velocity_tolerance * scales_.rate(motion_.v.data()), scales_.round_off / motion_.h);
   unprojected_ = motion_.v;
   t.projected = false;
   if (!t.precise && !t.newton.slow && !diverged) project_expected_velocities(t);

@@ -282,6 +282,7 @@ class Generator {
     define("PANELS", static_cast<long>(m_.symbolic.panels().size()));
     define("MARKED", static_cast<long>(r.marked.size()));
     define("SENSES", static_cast<long>(r.senses));
+    define("STICKS", static_cast<long>(r.sticks));
     define("BLOCKS", static_cast<long>(r.blocks));
     define("CLOCK", static_cast<long>(m_.signals.clock));
     define("RESTS", static_cast<long>(r.rests));

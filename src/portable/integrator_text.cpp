@@ -730,11 +730,18 @@ static int @_integrate(@ *s) {
   for (iteration = 0; iteration < @_ITERATIONS; ++iteration) {
     const int last = iteration + 1 == @_ITERATIONS;
     double error, asked, share, off;
-    int stagnant, refactored;
+    int stagnant, refactored, held = 0;
     @_from_increment(s);
     @_motion(s);
     @_sense(s, 2);
+#if @_STICKS
+    held = predicted;
+    s->holds[0] = held;
+#endif
     @_forces_step(s);
+#if @_STICKS
+    s->holds[0] = 0.0;
+#endif
     ++s->iterations;
     violation = @_of_equations(s->phi);
     accelerations = @_larger(@_ACCELERATION, @_of_coordinates(s->a));
@@ -812,7 +819,7 @@ static int @_integrate(@ *s) {
     off = @_larger(@_of_coordinates(s->rest), first_correction);
     enough = stagnant ? @_larger(@_larger(asked, 1e-11), 1e4*@_ROUND_OFF) : @_smaller(asked, share*off);
     accepted = @_larger(enough, DBL_EPSILON);
-    converged = error <= accepted && violation*@_smaller(1.0, rate) <= @_POSITION_TOLERANCE;
+    converged = !held && error <= accepted && violation*@_smaller(1.0, rate) <= @_POSITION_TOLERANCE;
     if (!converged && !last) continue;
 
     /* The end of the iterations. */
@@ -826,7 +833,7 @@ static int @_integrate(@ *s) {
       @_from_increment(s);
       if (settled)
         for (k = 0; k < @_M; ++k) s->multipliers[k] += s->force[k];
-      velocity_tolerance = @_VELOCITY_TOLERANCE*@_rate_of(s->v);
+      velocity_tolerance = @_larger(@_VELOCITY_TOLERANCE*@_rate_of(s->v), @_ROUND_OFF/@_H);
       memcpy(s->unprojected, s->v, sizeof s->v);
       projected = 0;
       if (!slow && !diverged && @_M > 0) {

@@ -19,7 +19,8 @@ enum class Memory {
   held,    ///< inputs and what signals remember
   states,  ///< of force elements
   time,
-  slot,  ///< signals, with two derivatives by time
+  holds,  ///< 1: what sticks as the step begins goes on sticking
+  slot,   ///< signals, with two derivatives by time
   rate,
   second,
   by_measure,  ///< of the signal that an element follows, by its own measure and its rate

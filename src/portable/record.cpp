@@ -135,6 +135,7 @@ class Recorder {
     s.held = held_.data();
     s.step = i == Instant::step ? step_ : 0;
     s.since = i == Instant::step && out_->blocks ? step_ : 0;
+    s.holds = i == Instant::step && out_->sticks ? p_.input(Memory::holds, 0) : T(0);
     s.time = 0;  // what time decides is there
     if (s.since == 0) return;
     for (const SignalsData::Block& b : d.blocks)
@@ -407,6 +408,8 @@ class Recorder {
   }
 
   void record_forces() {
+    for (const ElementData& e : m_.elements)
+      out_->sticks = out_->sticks || forces::infos[static_cast<std::size_t>(e.law)]->sticks;
     if (feedback_.empty()) feedback_.assign(m_.elements.size(), {T(0), T(0)});
     out_->rests = !m_.states.empty();
     for (const ElementData& e : m_.elements)

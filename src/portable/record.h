@@ -54,6 +54,7 @@ struct RecordedModel {
   bool blocks = false;                  ///< signals remember
   bool remembers = false;               ///< commit is needed
   bool rests = false;                   ///< laws at rest are others than in a step
+  bool sticks = false;                  ///< an element heeds `holds`
   bool jumps = false;                   ///< laws remember signals where these jump
   bool loads = false;                   ///< of inertia that stiffen bodies
   std::vector<RecordedFlight> flights;

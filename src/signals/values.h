@@ -39,6 +39,9 @@ struct SignalValues {
   const T* states = nullptr;             ///< State::z of force elements, at the start of the step
   const T* numbers = nullptr;            ///< Compiled::numbers of laws
   double step = 0;                       ///< s, that is made from there; 0: none
+  /// 1: friction that sticks as the step begins goes on sticking, beyond its limit too: of the first iterate
+  /// of a step alone, the elastic predictor of plasticity.
+  T holds = T(0);
   double time = std::numeric_limits<double>::quiet_NaN();  ///< that the values are of
   double since = 0;  ///< s, from the time that continuous blocks have their states of
 

@@ -46,6 +46,7 @@ struct LawInfo {
   bool of_functions = false;  ///< its force is f₀(x) + f₁(ẋ), and a formula of both
   int states = 0;             ///< that it remembers from step to step, all 0 at first
   bool given = false;         ///< its force does not depend on the measure
+  bool sticks = false;        ///< it heeds LawContext::holds
 
   /// The fault of numbers that are allowed one by one; empty: none.
   std::string_view (*fault)(Numbers) = nullptr;

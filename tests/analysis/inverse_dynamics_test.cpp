@@ -335,5 +335,26 @@ TEST(InverseDynamics, ReadsTablesOfMotionAndNamesTheirFaults) {
   EXPECT_THAT(message([&] { read(""); }), HasSubstr("no line"));
 }
 
+/// Of few instants as of many: 5 rad from one to the next on a screw, whose nut of 1 kg climbs 2 mm a turn
+/// against a spring.
+TEST(InverseDynamics, InstantsMayBeFarApart) {
+  const auto force = [](int steps) {
+    InverseDynamicsOptions o;
+    o.end = 5;
+    o.steps = steps;
+    const InverseDynamics r = inverse_dynamics(model_of(R"(
+gravity: [0, 0, -9.81]
+bodies: {nut: {mass: 1, com: [0, 0, 0], inertia: [0.01, 0.01, 0.01]}}
+joints: {p: {type: cylindrical, between: [ground, nut], at: [0, 0, 0], axis: [0, 0, 1], drive: {coordinate: 0, speed: '20'}}}
+constraints: {s: {type: screw, between: [ground, nut], at: [0, 0, 0], axis: [0, 0, 1], lead: 2 mm}}
+springs: {k: {between: [ground, nut], at: [[0, 0, -1], [0, 0, 0]], elastic: {stiffness: 1000, zero: 1}}}
+)"),
+                                               nullptr, o);
+    return r.force(r.force.rows() - 1, 0);
+  };
+  const double lead = 0.002 / (2 * std::acos(-1.0)), right = (9.81 + 1000 * 100 * lead) * lead;
+  for (const int steps : {4, 20, 100}) EXPECT_NEAR(force(steps), right, 1e-9) << steps;
+}
+
 }  // namespace
 }  // namespace mimbre::test::inverse_dynamics_test

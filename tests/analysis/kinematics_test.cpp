@@ -123,5 +123,49 @@ joints:
   EXPECT_EQ(k.warnings.size(), 1u);
 }
 
+/// 100 rad on a screw of 5 mm.
+TEST(Kinematics, ScrewsCountTheirTurns) {
+  KinematicsOptions o;
+  o.end = 5;
+  const Kinematics k = kinematics(model_of(R"(
+bodies: {nut: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {p: {type: cylindrical, between: [ground, nut], at: [0, 0, 0], axis: [0, 0, 1], drive: {coordinate: 0, speed: '20'}}}
+constraints: {s: {type: screw, between: [ground, nut], at: [0, 0, 0], axis: [0, 0, 1], lead: 5 mm}}
+)"),
+                                  o);
+  ASSERT_TRUE(k.complete);
+  const Eigen::Index turn = column(k, "p.0"), along = column(k, "p.1");
+  for (Eigen::Index i = 0; i < k.time.size(); ++i)
+    EXPECT_NEAR(k.position(i, along), k.position(i, turn) * 0.005 / (2 * pi), 1e-11);
+  EXPECT_NEAR(k.position(k.time.size() - 1, turn), 100, 1e-9);
+}
+
+/// A parallelogram whose third quarter of a turn and a half lies on an instant, or does not: flat there, it
+/// could fold, and goes on as it came.
+TEST(Kinematics, AnInstantAtAChangePointKeepsTheBranch) {
+  for (const int steps : {8, 40, 200, 201, 400, 1000}) {
+    KinematicsOptions o;
+    o.end = 1;
+    o.steps = steps;
+    const Kinematics k = kinematics(model_of(R"(
+bodies:
+  c: {mass: 1, com: [0.1, 0, 0.1], inertia: [0.01, 0.01, 0.01]}
+  k: {mass: 1, com: [0.7, 0, 0.2], inertia: [0.01, 0.01, 0.01]}
+  f: {mass: 1, com: [1.1, 0, 0.1], inertia: [0.01, 0.01, 0.01]}
+joints:
+  p1: {type: revolute, between: [ground, c], at: [0, 0, 0], axis: [0, -1, 0], drive: {position: 2*pi*t}}
+  p2: {type: revolute, between: [c, k], at: [0.2, 0, 0.2], axis: [0, -1, 0]}
+  p3: {type: revolute, between: [k, f], at: [1.2, 0, 0.2], axis: [0, -1, 0]}
+  p4: {type: revolute, between: [ground, f], at: [1, 0, 0], axis: [0, -1, 0]}
+)"),
+                                    o);
+    const Eigen::Index driven = column(k, "p1"), other = column(k, "p4");
+    for (Eigen::Index i = 0; i < k.time.size(); ++i) {
+      EXPECT_NEAR(k.position(i, other), k.position(i, driven), 1e-6) << steps << ' ' << k.time[i];
+      EXPECT_NEAR(k.velocity(i, other), 2 * pi, 1e-4) << steps << ' ' << k.time[i];
+    }
+  }
+}
+
 }  // namespace
 }  // namespace mimbre::test::kinematics_test

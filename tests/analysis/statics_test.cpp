@@ -212,6 +212,65 @@ joints:
                std::runtime_error);
 }
 
+/// A nut of 1 kg on a screw of 20 mm, which hangs on a spring of 100 N/m: it comes down by m g/k, in nearly
+/// five turns.
+TEST(Statics, ScrewsAreFollowedThroughManyTurns) {
+  for (const auto formulation :
+       {spec::Simulation::Formulation::relative, spec::Simulation::Formulation::natural}) {
+    RunOptions options;
+    options.formulation = formulation;
+    const StaticResult r = static_equilibrium(model_of(R"(
+bodies: {nut: {mass: 1, com: [0, 0, 0], inertia: [0.001, 0.001, 0.001]}}
+joints: {p: {type: cylindrical, between: [ground, nut], at: [0, 0, 0], axis: [0, 0, 1]}}
+constraints: {s: {type: screw, between: [ground, nut], at: [0, 0, 0], axis: [0, 0, 1], lead: 20 mm}}
+springs: {k: {between: [ground, nut], at: [[0, 0, 1], [0, 0, 0]], elastic: {stiffness: 100, zero: 1}}}
+outputs: [{name: z, position: nut, component: z}, {name: turned, joint: p, component: 0}]
+)"),
+                                              options);
+    EXPECT_NEAR(value(r, "z"), -0.0981, 1e-9);
+    EXPECT_NEAR(value(r, "turned"), -0.0981 / 0.02 * 2 * std::numbers::pi, 1e-6);
+  }
+}
+
+/// A moment of 40 N m against 2 N m/rad about the axis: three turns and a bit.
+TEST(Statics, BushingsAreFollowedThroughManyTurns) {
+  const StaticResult r = static_equilibrium(model_of(R"(
+gravity: [0, 0, 0]
+bodies: {a: {mass: 1, com: [0, 0, 0], inertia: [0.01, 0.02, 0.03]}}
+joints: {r: {type: revolute, between: [ground, a], at: [0, 0, 0], axis: [0.6, 0, 0.8]}}
+bushings: {b: {between: [ground, a], at: [0, 0, 0], x: [0.8, 0, -0.6], z: [0.6, 0, 0.8], stiffness: [1, 1, 1, 3, 3, 2]}}
+loads: {l: {on: a, at: [0, 0, 0], moment: [24, 0, 32]}}
+outputs: [{name: turned, joint: r}]
+)"));
+  EXPECT_NEAR(value(r, "turned"), 20, 1e-6);
+}
+
+/// A bead on a wire along a parabola of three metres, pulled to a place half a metre beside: the point of the
+/// wire from which that is square to it.
+TEST(Statics, ABeadComesToRestOnItsWire) {
+  const StaticResult r = static_equilibrium(model_of(R"(
+gravity: [0, 0, 0]
+bodies: {bead: {mass: 1, com: [0, 0, 0], inertia: [0.01, 0.01, 0.01]}}
+joints:
+  f:
+    {type: planar, between: [ground, bead], at: [0, 0, 0], axis: [0, 1, 0], spring: {coordinate: 2, stiffness: 1}}
+constraints:
+  wire:
+    type: on_curve
+    between: [ground, bead]
+    at: [0, 0, 0]
+    closed: false
+    points: [[0, 0, 0], [0.25, 0, 0.03125], [0.5, 0, 0.125], [0.75, 0, 0.28125], [1, 0, 0.5], [1.25, 0, 0.78125],
+      [1.5, 0, 1.125], [1.75, 0, 1.53125], [2, 0, 2], [2.25, 0, 2.53125], [2.5, 0, 3.125]]
+springs: {k: {between: [ground, bead], at: [[1, 0, 2], [0, 0, 0]], elastic: {stiffness: 30, zero: 0.1}}}
+outputs: [{name: x, position: bead, component: x}, {name: z, position: bead, component: z}]
+)"));
+  const double x = value(r, "x"), z = value(r, "z");
+  EXPECT_NEAR(z, 0.5 * x * x, 2e-3);            // the wire is a spline of its points
+  EXPECT_NEAR((x - 1) + x * (z - 2), 0, 2e-2);  // square to the tangent (1, x)
+  EXPECT_GT(x, 1.5);
+}
+
 TEST(Statics, ARunStartedAtEquilibriumStays) {
   const auto model = model_of(cantilever("[0, 0, -9.81]", "") + "initial: equilibrium\n");
   Simulation s(model);

@@ -204,6 +204,22 @@ actuators:
   }
 }
 
+/// Without gravity nothing but the motion says how fast it goes, and at rest not even that: from there a
+/// force that comes at once must not ask for ever shorter parts.
+TEST(Explicit, StartsFromRestWithoutGravity) {
+  RunOptions options = options_of(Rule::dopri853, 0.002, 1e-5);
+  Simulation simulation(model_of(R"(
+gravity: [0, 0, 0]
+bodies: {block: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {way: {type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0]}}
+loads: {push: {on: block, at: [0, 0, 0], force: [3, 0, 0], scale: "t < 0.501 ? 0 : 1"}}
+)"),
+                        options);
+  run_to(simulation, 1);
+  EXPECT_NEAR(simulation.save().q[0], 0.5 * 1.5 * 0.499 * 0.499, 1e-5);
+  EXPECT_NEAR(simulation.save().v[0], 1.5 * 0.499, 1e-5);
+}
+
 /// A ball that falls on a plane, and bounces with half its speed: as by the implicit rule with small steps.
 TEST(Explicit, RestartsAtImpacts) {
   const auto model = model_of(R"(

@@ -7,6 +7,7 @@
 #include "mimbre/simulation.h"
 #include "support/models.h"
 #include "support/random_mechanism.h"
+#include "support/simulate.h"
 
 /// Steps of a fixed cost: never more iterations than were allowed, never made again, never refused for it.
 namespace mimbre::test::fixed_cost_test {
@@ -193,6 +194,35 @@ TEST(FixedCost, RandomMechanismsStayOnTheirWay) {
   }
   EXPECT_GT(easy, 60);
   EXPECT_GT(unconverged, 200);
+}
+
+/// A pendulum of 1 kg whose brake could hold twice its weight stays where it is, and a block that slides
+/// stops.
+TEST(FixedCost, FrictionHolds) {
+  for (const Formulation formulation : {Formulation::relative, Formulation::natural}) {
+    Simulation held(model_of(R"(
+bodies: {b: {mass: 1, com: [0.5, 0, 0], inertia: [0.02, 0.02, 0.02]}}
+joints: {j: {type: revolute, between: [ground, b], at: [0, 0, 0], axis: [0, 1, 0]}}
+frictions: {brake: {joint: j, torque: 9.81}}
+outputs: [{name: q, joint: j}]
+simulation: {step: 0.01, end: 5}
+)"),
+                    fixed(6, formulation));
+    const double start = channel(held, "q");
+    for (int k = 0; k < 500; ++k) ASSERT_TRUE(held.step().ok());
+    EXPECT_NEAR(channel(held, "q"), start, 1e-5);
+
+    Simulation stops(model_of(R"(
+bodies: {b: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {j: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [1, 0, 0], velocity: 1}}
+frictions: {floor: {joint: j, force: 5}}
+outputs: [{name: q, joint: j}]
+simulation: {step: 0.01, end: 2}
+)"),
+                     fixed(6, formulation));
+    for (int k = 0; k < 200; ++k) ASSERT_TRUE(stops.step().ok());
+    EXPECT_NEAR(channel(stops, "q"), 0.2, 1e-3);
+  }
 }
 
 TEST(FixedCost, SaysWhatItDoesNotFit) {

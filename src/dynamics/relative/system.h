@@ -6,6 +6,7 @@
 #include "dynamics/relative/workspace.h"
 #include "dynamics/system.h"
 #include "dynamics/tangent_marks.h"
+#include "dynamics/turns.h"
 
 namespace mimbre::relative {
 
@@ -31,6 +32,13 @@ class RelativeSystem final : public System {
   void begin_step(const double* q) override;
   void enter(const double* held, const double* states, double step) override {
     work_.signals.enter(held, states, step);
+  }
+  bool hold_sticking(bool on) override {
+    work_.signals.holds = on && marks_.sticks() ? 1 : 0;
+    return marks_.sticks();
+  }
+  void keep_turns(double* states) const override {
+    mimbre::keep_turns(model_, work_.elements.data(), work_.constraint_states.data(), states);
   }
   void set_rate_time(double time) override { work_.rate_time = time; }
   void residual(double t, const double* q, const double* v, const double* a, const double* multipliers,

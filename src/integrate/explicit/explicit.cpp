@@ -16,6 +16,8 @@ constexpr int matrices_of_closing = 2;
 /// What the difference of two stages says of the fastest motion counts where it is this share of the
 /// accelerations at play: otherwise it is round-off.
 constexpr double felt = 1e-8;
+/// What goes slower, by the scales, in a step of the model's counts as slow.
+constexpr double least_motion = 1e-3;
 
 }  // namespace
 
@@ -23,6 +25,7 @@ ExplicitStepper::ExplicitStepper(System& system, const IntegratorOptions& option
     : Stepper(options),
       system_(system),
       eighth_(options.rule == IntegratorOptions::Rule::dopri853),
+      slowest_(least_motion / options.step),
       accelerations_(system, options.tolerance) {
   const int n = system.velocities(), m = system.equations();
   for (Eigen::VectorXd* y : {&v_, &x_, &r_, &zero_}) y->setZero(n);
@@ -124,7 +127,8 @@ double ExplicitStepper::fastest(const Method& method, int& coordinate) const {
 /// these times how fast the mechanism goes.
 double ExplicitStepper::error_over_accuracy() const {
   const Scales& scales = system_.scales();
-  const double rate = std::max(scales.rate(v_.data()), scales.of_coordinates(v_.data()));
+  // From rest, without gravity, nothing says how fast it goes; then errors of positions decide.
+  const double rate = std::max({scales.rate(v_.data()), scales.of_coordinates(v_.data()), slowest_});
   double fifth = 0, third = 0;
   const auto add = [&](double e5, double e3, double scale) {
     fifth += e5 * e5 / (scale * scale);
@@ -141,7 +145,7 @@ double ExplicitStepper::error_over_accuracy() const {
     }
     const double scale = options_.accuracy * scales.coordinates[static_cast<std::size_t>(k)];
     add(x5, x3, scale);
-    if (rate > 0) add(v5, v3, scale * rate);
+    add(v5, v3, scale * rate);
   }
   const double sum = fifth + 0.01 * third;
   return sum > 0 ? options_.step * fifth / std::sqrt(sum * 2 * n) : 0;

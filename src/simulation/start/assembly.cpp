@@ -60,7 +60,9 @@ int largest_by_scale(const System& system, const Eigen::VectorXd& x) {
 StaticsStatus find_sparse(natural::NaturalSystem& natural, relative::RelativeSystem& observer, State& s,
                           bool of_natural) {
   State n = natural_state(natural, observer, s);
-  natural.enter(s.u.data(), s.z.data(), 0);
+  n.u = s.u;
+  n.z = s.z;
+  natural.enter(n.u.data(), n.z.data(), 0);
   const linalg::ColumnColours colours(natural.velocities(), natural::column_groups(natural.layout()));
   Eigen::VectorXd growing;
   StaticsStatus status = find_sparse_equilibrium(natural, colours, n, &growing);
@@ -71,6 +73,7 @@ StaticsStatus find_sparse(natural::NaturalSystem& natural, relative::RelativeSys
     status.growing = largest_by_scale(observer, as_relative.v);
   }
   natural.to_relative(n, s);
+  s.z = n.z;
   observer.begin_step(s.q.data());
   find_multipliers(observer, s, 1e-9);
   if (!status.converged && !of_natural) {
@@ -87,9 +90,11 @@ StaticsStatus find_dense(natural::NaturalSystem* natural, relative::RelativeSyst
                          int most_steps) {
   if (!natural) return find_equilibrium(observer, s, most_steps);
   State n = natural_state(*natural, observer, s);
-  natural->enter(s.u.data(), s.z.data(), 0);
+  n.u = s.u;
+  n.z = s.z;
   const StaticsStatus status = find_equilibrium(*natural, n, most_steps);
   natural->to_relative(n, s);
+  s.z = n.z;
   observer.begin_step(s.q.data());
   find_multipliers(observer, s, 1e-9);
   return status;

@@ -35,7 +35,7 @@ IntegratorOptions integrator_options(const Method& method) {
 /// so many times the former alone.
 constexpr double of_lifting = 10, without_gravity = 4;
 /// Of the energy that lifts the mechanism so, or moves it by its length scale in so many steps: round-off.
-constexpr double round_off_energy = 2.5e-7, slow_steps = 1000;
+constexpr double round_off_energy = 2.5e-7, energy_of_bristles = 3e-5, slow_steps = 1000;
 
 /// How often a part that does not converge is divided again, and one in which contacts cannot be followed:
 /// the latter down to a part in so many. An impact takes its depth by its speed, and a hundredth of that has
@@ -55,10 +55,12 @@ constexpr int most_parts_by_error = 10000;
 /// Of the time, below which a part does not move it.
 constexpr double round_off_of_time = 1e-14;
 
+bool has_contacts(const Compiled& m) { return m.first_of_contact.back() != m.first_of_contact.front(); }
+
 int levels(const Compiled& model, const Method& method) {
   if (method.accuracy > 0) return 2;  // the step's begin, and the part's
   if (method.substeps == 1) return 0;
-  if (model.first_of_contact.back() == model.first_of_contact.front()) return 1;
+  if (!has_contacts(model)) return levels_of_convergence;
   int levels = 1;
   for (int parts = method.substeps; parts <= most_parts / method.substeps; parts *= method.substeps) ++levels;
   return levels;
@@ -104,7 +106,9 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
   const double extent = m.length_scale, speed = extent / (slow_steps * method.step);
   lifting_energy_ = mass * m.gravity.norm() * extent;
   resting_energy_ = round_off_energy * std::max(lifting_energy_, mass * speed * speed);
-  if (begins_.size() > 1) {  // of impacts that are not followed
+  if (mechanism.system.hold_sticking(false))  // of what bends bristles that hold all in its place
+    resting_energy_ = std::max(resting_energy_, energy_of_bristles * lifting_energy_);
+  if (method.substeps != 1 && has_contacts(m)) {  // of impacts that are not followed
     const double quiet = quiet_speed(m, method.step);
     resting_energy_ = std::max(resting_energy_, 0.5 * mass * quiet * quiet);
   }
