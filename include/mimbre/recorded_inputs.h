@@ -18,8 +18,10 @@ class RecordedInputs {
   std::map<std::string, double> start();
   /// Finds the inputs by their names. Throws InputError where the simulation has none.
   void attach(const Simulation& simulation);
-  /// Before each step: an input that is constant gets the last value that is not after now, one in straight
-  /// lines what the table, with lines between its points, is at the step's end.
+  /// Before each step: an input that is constant gets the value of a point that has been reached since the
+  /// last step, one in straight lines what the table, with lines between its points, is at the step's end.
+  /// Between points of the former, and where the table has not begun or has ended, it stays what others, as
+  /// events, made of it.
   void set(Simulation& simulation);
 
  private:
@@ -31,8 +33,10 @@ class RecordedInputs {
     std::size_t at = 0;  ///< the last point that is not after the time asked for
   };
   static double value(Track& track, double time);
+  double last_step(const Simulation& simulation) const;
 
   std::vector<Track> tracks_;
+  double last_ = 0;  ///< when they were last set
 };
 
 }  // namespace mimbre

@@ -256,7 +256,8 @@ class Model:
             until: the end, s; default: the model's.
             inputs: of inputs and tunable parameters, by name: a number, (times in s, values), a file with a table of
                 them (CSV), or a function of time that is called before each step; or one file with a table of several
-                inputs. They count from the start on, with its equilibrium.
+                inputs. They count from the start on, with its equilibrium. What an event sets replaces a number for
+                good, a table until its next point, and a function's value until the next step.
             progress: is called now and then with the time, s.
             **method: step and method in place of the model's, see `Method`.
 

@@ -109,6 +109,25 @@ def test_inputs_count_from_the_first_instant_on(initial):
     assert called[0] == 0
 
 
+def test_what_an_event_sets_outlasts_the_values_of_a_sweep():
+    """The force F + u acts on one kilogram until the event ends it; F compiles nothing anew, mass does."""
+    model = mimbre.Model.from_text(
+        """
+        mimbre: 1
+        parameters: {F: {value: 1, tunable: true}, mass: 1}
+        inputs: {u: 0}
+        bodies: {b: {mass: mass, com: [0, 0, 0], inertia: [1, 1, 1]}}
+        joints: {j: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [1, 0, 0]}}
+        actuators: {a: {joint: j, force: F + u}}
+        events: {half: {when: t, crosses: 0.5, direction: rising, set: {F: 0, u: 0}}}
+        outputs: [{name: v, joint_velocity: j}]
+        simulation: {step: 0.01, end: 1}
+        """
+    )
+    data = mimbre.sweep(model, {"F": [1.0, 2.0], "mass": [1.0, 2.0]}, inputs={"u": 1.0})
+    assert data["v"].to_numpy() == pytest.approx(np.array([[1, 0.5], [1.5, 0.75]]), rel=1e-6)
+
+
 def test_a_model_compiled_anew_keeps_its_laws():
     m = mimbre.ModelBuilder("Held")
     m.add_parameter("mass", 1.0, min=0.1, max=5)

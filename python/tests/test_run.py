@@ -130,6 +130,56 @@ def test_inputs_are_read_from_tables_in_files(pendulum, tmp_path):
         pendulum.run(inputs=tmp_path / "missing.csv")
 
 
+LATCH = """
+mimbre: 1
+parameters: {F: {value: 1, tunable: true}}
+inputs: {u: 0, ramp: {start: 0, hold: linear}}
+bodies: {b: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {j: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [1, 0, 0]}}
+actuators: {a: {joint: j, force: "F + u + ramp"}}
+events: {half: {when: t, crosses: 0.5, direction: rising, set: {F: 0, u: 0, ramp: 0}}}
+outputs: [{name: v, joint_velocity: j}]
+simulation: {step: 0.01, end: 1}
+"""
+
+
+@pytest.mark.parametrize(
+    ("inputs", "impulse"),
+    [
+        ({}, 0.5),
+        ({"F": 1.0}, 0.5),  # as the file's own value
+        ({"F": 3.0, "u": 2.0, "ramp": 1.0}, 3.0),
+        ({"F": ([0.0, 0.2], [1.0, 3.0])}, 0.2 + 0.9),  # a table that has ended holds no longer
+        ({"F": ([0.0, 0.8], [1.0, 3.0])}, 0.5 + 0.6),  # the event wins until the next point
+        ({"F": ([0.7], [2.0])}, 1.0 + 0.6),  # before its first point, too
+        ({"ramp": ([0.0, 0.2], [0.0, 2.0])}, 0.5 + 0.2 + 0.6),
+        ({"ramp": ([0.0, 1.0], [2.0, 2.0])}, 0.5 + 2.0),  # on its lines the table wins, and a function always does
+        ({"F": lambda t: 2.0}, 2.0),
+    ],
+)
+def test_what_an_event_sets_lasts_until_an_input_says_otherwise(inputs, impulse):
+    """One kilogram has the force's impulse; the event at 0.5 s ends the force."""
+    model = mimbre.Model.from_text(LATCH)
+    assert model.run(inputs=inputs)["v"][-1] == pytest.approx(impulse, abs=0.035)  # a step or two later
+    if all(isinstance(value, float) for value in inputs.values()):
+        sim = model.simulation(inputs=inputs)
+        sim.step_until(1)
+        assert model.run(inputs=inputs)["v"][-1] == sim.channel("v").value
+
+
+def test_a_resumed_run_keeps_what_an_event_set(tmp_path):
+    """Also where it is resumed after the event, between two points of the table."""
+    (tmp_path / "latch.yaml").write_text(LATCH)
+    (tmp_path / "force.csv").write_text("t,F,ramp\n0,1,0\n0.3,3,1\n0.9,2,\n")
+    options = [tmp_path / "latch.yaml", "--input", tmp_path / "force.csv", "-q", "--csv"]
+    program("run", *options, tmp_path / "whole.csv")
+    program("run", *options, tmp_path / "part.csv", "--until", 0.6, "--save-state", tmp_path / "state")
+    program("run", *options, tmp_path / "part.csv", "--resume", tmp_path / "state")
+    whole = (tmp_path / "whole.csv").read_text()
+    assert (tmp_path / "part.csv").read_text() == whole
+    assert float(whole.split(",")[-1]) == pytest.approx(0.3 + 0.6 + 0.15 + 0.2 + 0.2, abs=0.02)
+
+
 def test_what_a_function_raises_comes_through(pendulum):
     def torque(t):
         if t > 0.1:

@@ -9,6 +9,13 @@
 
 namespace mimbre {
 
+namespace {
+
+/// Times are sums of steps: a point that is at the time but for rounding is at it.
+bool reached(double point, double time) { return point <= time + 1e-9 * (1 + std::abs(time)); }
+
+}  // namespace
+
 void RecordedInputs::add(const std::string& name, std::vector<double> times, std::vector<double> values) {
   const auto bad = [&](const std::string& what) {
     return InputError(Mark{}, fmt::format("input '{}': {}", name, what));
@@ -44,19 +51,29 @@ void RecordedInputs::attach(const Simulation& simulation) {
 
 double RecordedInputs::value(Track& track, double time) {
   const auto& t = track.times;
-  // Times are sums of steps: a point that is at the time but for rounding is at it.
-  const double rounding = 1e-9 * (1 + std::abs(time));
-  if (t[track.at] > time + rounding) track.at = 0;  // a simulation that was put back
-  while (track.at + 1 < t.size() && t[track.at + 1] <= time + rounding) ++track.at;
+  if (!reached(t[track.at], time)) track.at = 0;  // a simulation that was put back
+  while (track.at + 1 < t.size() && reached(t[track.at + 1], time)) ++track.at;
   const std::size_t k = track.at;
   if (!track.linear || time <= t[k] || k + 1 == t.size()) return track.values[k];
   return track.values[k] + (track.values[k + 1] - track.values[k]) * (time - t[k]) / (t[k + 1] - t[k]);
 }
 
+/// When the step before this one began. A simulation that was put elsewhere had one of full length.
+double RecordedInputs::last_step(const Simulation& simulation) const {
+  const double now = simulation.time(), since = now - last_;
+  return since >= 0 && since < 1.5 * simulation.step_size() ? last_ : now - simulation.step_size();
+}
+
 void RecordedInputs::set(Simulation& simulation) {
-  for (Track& track : tracks_)
-    simulation.set_input(track.input,
-                         value(track, simulation.time() + (track.linear ? simulation.step_size() : 0)));
+  const double now = simulation.time(), end = now + simulation.step_size();
+  const double before = std::max(last_step(simulation), 0.0);  // a simulation starts with what is due at 0
+  for (Track& track : tracks_) {
+    const double of = value(track, track.linear ? end : now), point = track.times[track.at];
+    const bool due = track.linear ? reached(track.times.front(), end) && !reached(track.times.back(), now)
+                                  : reached(point, now) && !reached(point, before);
+    if (due) simulation.set_input(track.input, of);
+  }
+  last_ = now;
 }
 
 }  // namespace mimbre
