@@ -122,20 +122,16 @@ class Episode:
         self._connect()
 
     def begin(self, values: Mapping[str, Value]) -> tuple[Floats, dict[str, Any]]:
-        """Starts anew with these parameters and inputs; what is seen then."""
+        """Starts anew with these parameters and inputs; what is seen then. Equilibria, events and what is sampled at
+        the start depend on them, so that the start of other values is of no use."""
         task = self.task
         compiled = {name: value for name, value in values.items() if name not in task.live}
         live = {name: float(value) for name, value in values.items() if name in task.live}
-        other_start = bool(compiled or (live and task.model._compiled.starts_at_equilibrium))
-        if other_start or not self._own:
+        if values or not self._own:
             self._of(task.model._with(compiled) if compiled else task.model, live)
-            self._own = not other_start
+            self._own = not values
         else:
             self.simulation.restore(self._start)
-            for name, value in live.items():
-                self.simulation.input(name).value = value
-            for k, channel in enumerate(self._seen if live else ()):
-                self._channels[k] = self.simulation.channel(channel).value
         self._made = 0
         return self.observation(), ({"parameters": dict(values)} if values else {})
 

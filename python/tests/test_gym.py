@@ -201,6 +201,38 @@ def test_an_episode_starts_at_the_equilibrium_of_its_inputs(formulation):
         assert env.step([0.0])[0][0] == pytest.approx(rest, rel=1e-6)  # and stays there
 
 
+def test_an_episode_with_other_values_is_a_simulation_with_them():
+    """One kilogram that `push` accelerates. At 3 N it is beyond the event from the start, which then never happens; so
+    it is whatever episode went before, and an acceleration is seen at once."""
+    model = mimbre.Model.from_text(
+        """
+        mimbre: 1
+        parameters: {mass: 1}
+        inputs: {push: {start: 0, range: [-5, 5]}, action: {start: 0, range: [-1, 1]}, latch: 0}
+        bodies: {b: {mass: mass, com: [0, 0, 0], inertia: [1, 1, 1]}}
+        joints: {j: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [1, 0, 0]}}
+        actuators: {a: {joint: j, force: action + push + 10*latch}}
+        events: {strong: {when: push, crosses: 1, direction: rising, set: {latch: 1}}}
+        outputs: [{name: speed, joint_velocity: j}, {name: acceleration, joint_acceleration: j}]
+        simulation: {step: 0.01, end: 1}
+        """
+    )
+    keys = {"actions": ["action"], "observations": ["speed", "acceleration"], "reward": "speed"}
+    env, envs = mimbre.gym.make(model, **keys), mimbre.gym.make_vec(model, 2, **keys)
+    for options in ({"push": 3.0}, {"push": 3.0, "mass": 1.0}, {"push": 3.0}, {}, {"push": 3.0}):
+        push = options.get("push", 0.0)
+        assert env.reset(options=options)[0].tolist() == [0, push]
+        assert envs.reset(options=options)[0].tolist() == [[0, push]] * 2
+        for _ in range(10):
+            observation = env.step([0.0])[0]
+            observations = envs.step([[0.0], [0.0]])[0]
+        sim = model.simulation(inputs={"push": push})
+        sim.step(10)
+        assert observation.tolist() == [sim.channel("speed").value, sim.channel("acceleration").value]
+        assert observations.tolist() == [observation.tolist()] * 2
+        assert observation == pytest.approx([0.1 * push, push])
+
+
 def test_a_failed_step_ends_the_episode():
     m = mimbre.ModelBuilder()
     m.add_input("limit", 1.0, range=[0, 1])
