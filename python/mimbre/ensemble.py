@@ -333,7 +333,19 @@ def _study(
     if not chosen:
         raise InputError("outputs: the model has none; give the names of channels")
     study = Study(model, chosen, _reductions(reduce), live, values, until, method)
-    if rows:
+    others = {"status", "message"}
+    if study.reduce is None:
+        others.add("time")
+    elif len(study.reduce) > 1:
+        others.add("reduction")
+    for name in names:
+        if name in others:
+            raise InputError(
+                f"parameters: {name!r} is the name of something else in the data set; name the parameter otherwise in "
+                "the model"
+            )
+    if rows and study.compiled_with(rows[0]):
+        model._read.refuse_changes()
         with names_alone():
             study.variant(study.compiled_with(rows[0]))
     taken = {"status", "message", "run", "time", "reduction", *names}

@@ -19,6 +19,7 @@ from .equilibria import Buckling, EquilibriumPath
 from .errors import Diagnostic, InputError, Interrupted, SimulationError
 from .linear import CampbellDiagram, LinearModel, Modes, Trim
 from .method import Method
+from .read_files import ReadFiles
 from .run import Run
 from .simulation import Simulation, checked_method
 
@@ -36,7 +37,8 @@ if TYPE_CHECKING:
 
 class Model:
     """A compiled model: constant, so that threads and simulations may share it. `from_file` reads one, a
-    `ModelBuilder` builds one. Models can be pickled, with the files that they were read from.
+    `ModelBuilder` builds one. Models can be pickled, with the files that they were read from. Where one of these has
+    changed since, what needs it again (other values of parameters, a copy) raises InputError.
 
     Example:
         ```python
@@ -51,6 +53,7 @@ class Model:
     _own: tempfile.TemporaryDirectory[str] | None  # that folder, where only this model has it
     _laws: list[laws.Placed]  # which the text cannot say
     _warnings: list[Diagnostic]
+    _read: ReadFiles  # that it names
 
     def __init__(self) -> None:
         raise InputError("a Model is read by Model.from_file(path) or built by a ModelBuilder; it cannot be made empty")
@@ -64,10 +67,12 @@ class Model:
         parameters: dict[str, str],
         own: tempfile.TemporaryDirectory[str] | None = None,
         functions: Sequence[laws.Placed] = (),
+        read: ReadFiles | None = None,
     ) -> Model:
-        """The model of a text; `name` stands for the file in messages, `functions` for laws."""
+        """The model of a text; `name` stands for the file in messages, `functions` for laws; `read`: files as another
+        model was read from them."""
         compiled = _core.parse(_checks.text("model", text), name, str(folder), parameters, laws.placed(functions))
-        return cls._of(compiled, text, folder, own, functions)
+        return cls._of(compiled, text, folder, own, functions, read)
 
     @classmethod
     def _of(
@@ -77,6 +82,7 @@ class Model:
         folder: Path,
         own: tempfile.TemporaryDirectory[str] | None = None,
         functions: Sequence[laws.Placed] = (),
+        read: ReadFiles | None = None,
     ) -> Model:
         model = object.__new__(cls)
         model._compiled = compiled
@@ -85,6 +91,7 @@ class Model:
         model._own = own
         model._laws = list(functions)
         model._warnings = [Diagnostic(*warning) for warning in compiled.warnings]
+        model._read = ReadFiles(compiled.other_files, read)
         return model
 
     @classmethod
@@ -162,8 +169,9 @@ class Model:
 
     def _with(self, parameters: Mapping[str, float | str | bool]) -> Model:
         """The same with parameters of its file replaced, compiled anew."""
+        self._read.refuse_changes()
         texts = {**self.parameters, **_texts(parameters)}
-        return Model._parsed(self._text, self._compiled.file, self._folder, texts, self._own, self._laws)
+        return Model._parsed(self._text, self._compiled.file, self._folder, texts, self._own, self._laws, self._read)
 
     # What it is
 
@@ -785,7 +793,8 @@ class Model:
 
     def _files(self) -> tuple[Path, dict[str, bytes]]:
         """A folder that has the model's and all files that it names, and these by their names from there."""
-        paths = [Path(os.path.normpath(Path(file).absolute())) for file in self._compiled.other_files]
+        self._read.refuse_changes()
+        paths = self._read.paths
         top = Path(os.path.commonpath([self._folder, *paths]))
         return top, {str(path.relative_to(top)): path.read_bytes() for path in paths}
 

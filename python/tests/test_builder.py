@@ -203,6 +203,54 @@ def test_a_model_that_names_files_elsewhere_stays_in_its_folder(examples, tmp_pa
     assert read.simulation().fingerprint == model.simulation().fingerprint
 
 
+@pytest.fixture
+def pushed(tmp_path, monkeypatch):
+    """Of a file that includes its body, by relative paths: M kilograms pushed by 1 N."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "body.yaml").write_text("bodies: {b: {mass: M, com: [0, 0, 0], inertia: [1, 1, 1]}}\n")
+    (tmp_path / "model.yaml").write_text(
+        """
+        mimbre: 1
+        include: [body.yaml]
+        parameters: {M: 1, F: {value: 1, tunable: true}}
+        joints: {j: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [1, 0, 0]}}
+        actuators: {a: {joint: j, force: F}}
+        outputs: [{name: v, joint_velocity: j}]
+        simulation: {step: 0.01, end: 1}
+        """
+    )
+    return mimbre.Model.from_file("model.yaml")
+
+
+def test_a_model_whose_files_have_changed_is_refused_where_it_needs_them(pushed, tmp_path):
+    body = tmp_path / "body.yaml"
+    was = body.read_text()
+    wrong = r"files that have changed since it was read: .*body.yaml( \(it cannot be read\))?; read it again"
+    for change in (lambda: body.write_text(was.replace(" M,", " 9,")), body.unlink):
+        change()
+        for use in (
+            lambda: mimbre.sweep(pushed, {"M": [1.0, 2.0]}),
+            lambda: pushed.campbell("M", [1.0, 2.0]),
+            lambda: pickle.dumps(pushed),
+            lambda: pushed.to_yaml("copy.yaml"),
+        ):
+            with pytest.raises(mimbre.InputError, match=wrong):
+                use()
+        assert pushed.run()["v"][-1] == pytest.approx(1)  # what is compiled stays as it was
+        assert mimbre.sweep(pushed, {"F": [3.0]})["v"].to_numpy() == pytest.approx([3])
+    body.write_text(was)
+    assert mimbre.sweep(pushed, {"M": [1.0, 2.0]})["v"].to_numpy() == pytest.approx([1, 0.5])
+
+
+def test_a_model_of_relative_paths_knows_its_files_from_elsewhere(pushed, tmp_path, monkeypatch):
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    assert mimbre.sweep(pushed, {"M": [2.0]})["v"].to_numpy() == pytest.approx([0.5])
+    pushed.to_yaml("copy.yaml")
+    for model in (mimbre.Model.from_file("copy.yaml"), pickle.loads(pickle.dumps(pushed))):
+        assert model.simulation().fingerprint == pushed.simulation().fingerprint
+
+
 def test_messages_name_the_line_of_python():
     m = mimbre.ModelBuilder()
     m.add_body("bar", mass=1, com=[0, 0, 0], inertia=[1, 1, 5])

@@ -283,6 +283,26 @@ def test_mistakes_are_told_before_anything_runs(model):
             mimbre.sweep(model, **arguments)
 
 
+@pytest.mark.parametrize("name", ["status", "message", "time", "reduction", "run"])
+@pytest.mark.parametrize("reduce", ["last", "history", ["min", "max"]])
+@pytest.mark.parametrize("tunable", ["true", "false"])
+def test_names_of_the_data_set_are_refused_before_anything_runs(name, reduce, tunable):
+    """And those that mean nothing else there are names as any other."""
+    text = FILE.replace("parameters: {k: {", f"parameters: {{{name}: {{value: 0.1, tunable: {tunable}}}, k: {{")
+    model = mimbre.Model.from_text(text.replace('"-k*angle"', f'"{name}"'))
+    done = []
+    clash = name in {"last": (), "history": ("time",)}.get(str(reduce), ("reduction",)) or name in ("status", "message")
+    for parameters in ({name: [1, 2]}, [{name: 1}, {name: 2}]):
+        if clash:
+            with pytest.raises(mimbre.InputError, match=f"parameters: '{name}' is the name of something else"):
+                mimbre.sweep(model, parameters, outputs="angle", reduce=reduce, progress=lambda *n: done.append(n))
+        else:
+            data = mimbre.sweep(model, parameters, outputs="angle", reduce=reduce)
+            assert data[name].to_numpy().tolist() == [1, 2]
+            assert data["angle"].to_numpy()[1].max() > data["angle"].to_numpy()[0].max()
+    assert not done
+
+
 def test_a_dask_cluster_that_loses_a_worker_loses_no_row(model):
     distributed = pytest.importorskip("distributed")
     rows = {"k": np.linspace(0, 10, 120)}
