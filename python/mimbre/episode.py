@@ -151,11 +151,11 @@ class Episode:
             channel += 1
         else:
             reward = _number("reward", task.reward, Moment(self.simulation, observation, action))
-        over = False
+        over = self.simulation.stopped
         if isinstance(task.terminate, str):
-            over = bool(self._channels[channel] != 0)
+            over |= bool(self._channels[channel] != 0)
         elif task.terminate is not None:
-            over = bool(task.terminate(Moment(self.simulation, observation, action)))
+            over |= bool(task.terminate(Moment(self.simulation, observation, action)))
         return observation, reward, over, task.limit is not None and self._made >= task.limit, {}
 
 

@@ -59,7 +59,8 @@ def make(
     observations: channels; as {"angle": (-4, 4)} their space has bounds.
     reward: a function of a Moment (`now.observation`, `now.action`, `now.time`, `now["any.channel"]`), or the name of a
         channel, as "signal.reward" of a signal of the model, which costs no Python.
-    terminate: likewise; an episode ends where it is not 0.
+    terminate: likewise; an episode ends where it is not 0. It also ends, terminated, at an event of the model with
+        `stop: true`, in the midst of an action.
     failure_reward: of an action whose steps cannot be computed. Ends the episode; `info["failure"]` has the reason.
     time_limit: s, after which an episode is truncated.
     skip: steps of the simulation for one action.

@@ -44,9 +44,7 @@ class ReadFiles:
         """`before`: of a model that was read from some of them, and they have not changed since."""
         known = before._contents if before else {}
         places = [Path(os.path.normpath(Path(path).absolute())) for path in paths]
-        self._contents: dict[Path, _Content | None] = {
-            path: known.get(path) or _Content.of(path) for path in places
-        }
+        self._contents: dict[Path, _Content | None] = {path: known.get(path) or _Content.of(path) for path in places}
 
     @property
     def paths(self) -> list[Path]:

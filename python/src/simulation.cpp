@@ -134,7 +134,10 @@ class Stepper {
   std::string step_or_say(std::int64_t count) {
     const Turn turn(*this);
     StepReport report;
-    for (std::int64_t k = 0; k < count && report.ok(); ++k) report = one_step([&] { return turn->step(); });
+    for (std::int64_t k = 0; k < count && report.ok(); ++k) {
+      report = one_step([&] { return turn->step(); });
+      if (turn->stopped()) break;
+    }
     put_channels();
     return report.ok() ? std::string() : turn->explain(report);
   }
@@ -422,8 +425,8 @@ void bind_simulation(nb::module_& module) {
            "InputError where it is of another model or method, or damaged.");
   module.def(
       "step_all", &step_all, nb::arg("simulations"), nb::arg("count"),
-      "Makes so many steps with each of them, and leaves the interpreter to others meanwhile. What went "
-      "wrong with each, empty where nothing did.");
+      "Makes so many steps with each of them, fewer where an event stops it, and leaves the interpreter to "
+      "others meanwhile. What went wrong with each, empty where nothing did.");
 }
 
 }  // namespace mimbre::python

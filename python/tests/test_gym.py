@@ -233,6 +233,39 @@ def test_an_episode_with_other_values_is_a_simulation_with_them():
         assert observation == pytest.approx([0.1 * push, push])
 
 
+def test_an_event_that_stops_the_run_terminates_the_episode():
+    """At 0.5 m, reached by 2 m/s after 0.25 s: in the third action of ten steps, which ends there."""
+    model = mimbre.Model.from_text(
+        """
+        mimbre: 1
+        inputs: {push: {start: 0, range: [-1, 1]}}
+        bodies: {b: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+        joints: {j: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [1, 0, 0], velocity: [2]}}
+        actuators: {a: {joint: j, force: push}}
+        events: {there: {when: place, crosses: 0.5, stop: true}}
+        outputs: [{name: place, joint: j}]
+        simulation: {step: 0.01}
+        """
+    )
+    keys = {"actions": ["push"], "observations": ["place"], "reward": "place", "skip": 10, "time_limit": 2}
+    env, envs = mimbre.gym.make(model, **keys), mimbre.gym.make_vec(model, 2, **keys)
+    for episode in range(2):
+        env.reset()
+        for n in range(3):
+            place, reward, terminated, truncated, info = env.step([0.0])
+            assert (terminated, truncated, info) == (n == 2, False, {})
+        assert place[0] == reward == pytest.approx(0.5)
+        assert env.simulation.time == pytest.approx(0.25)
+        if episode == 0:
+            envs.reset()
+        for n in range(3):
+            places, _, terminations, truncations, _ = envs.step([[0.0], [0.0]])
+            assert terminations.tolist() == [n == 2] * 2
+            assert not truncations.any()
+        assert places.tolist() == [[place[0]]] * 2
+        assert envs.step([[0.0], [0.0]])[0].tolist() == [[0], [0]]  # begun again
+
+
 def test_a_failed_step_ends_the_episode():
     m = mimbre.ModelBuilder()
     m.add_input("limit", 1.0, range=[0, 1])
