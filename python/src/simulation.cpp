@@ -10,6 +10,7 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <exception>
@@ -28,8 +29,14 @@ namespace {
 /// Numbers of Python that stand for inputs or channels: those are taken from there before each step, these
 /// are put there after it.
 struct Live {
-  std::vector<int> numbers;
+  std::vector<int> numbers;  ///< -1: another array has this input by now
   std::shared_ptr<std::vector<double>> values;
+  std::vector<double> taken = {};  ///< of inputs, at the last step
+  bool left = false;               ///< by Python, at the last step
+
+  bool has_none() const {
+    return std::all_of(numbers.begin(), numbers.end(), [](int number) { return number < 0; });
+  }
 };
 
 void refuse_below_zero(const char* method, std::int64_t count) {
@@ -166,6 +173,10 @@ class Stepper {
     const Turn turn(*this);
     Live live{{}, std::make_shared<std::vector<double>>()};
     for (const std::string& name : names) live.numbers.push_back(turn->input(name));
+    for (Live& before : inputs_)
+      for (int& number : before.numbers)
+        if (std::find(live.numbers.begin(), live.numbers.end(), number) != live.numbers.end()) number = -1;
+    std::erase_if(inputs_, [](const Live& before) { return before.has_none(); });
     live.values->resize(names.size());
     take_values(live);
     return array(inputs_.emplace_back(std::move(live)));
@@ -201,15 +212,24 @@ class Stepper {
     return step();
   }
 
+  /// What was written into an array that Python has left since counts, once: it may be all that was wanted.
   void put_inputs() {
-    for (const Live& live : inputs_)
-      for (std::size_t k = 0; k < live.numbers.size(); ++k) {
-        const double value = (*live.values)[k];
-        if (!std::isfinite(value))
-          throw InputError(Mark{}, fmt::format("input '{}': is {}; a finite number is needed",
-                                               name_of(live.numbers[k]), value));
-        simulation_.set_input(live.numbers[k], value);
-      }
+    bool left = false;
+    for (Live& live : inputs_) {
+      live.left = live.values.use_count() == 1;
+      left = left || live.left;
+      if (live.left && *live.values == live.taken) continue;
+      for (std::size_t k = 0; k < live.numbers.size(); ++k)
+        if (live.numbers[k] >= 0) put_input(live.numbers[k], (*live.values)[k]);
+      live.taken = *live.values;
+    }
+    if (left) std::erase_if(inputs_, [](const Live& live) { return live.left; });
+  }
+  void put_input(int input, double value) {
+    if (!std::isfinite(value))
+      throw InputError(Mark{},
+                       fmt::format("input '{}': is {}; a finite number is needed", name_of(input), value));
+    simulation_.set_input(input, value);
   }
 
   std::string name_of(int input) const { return simulation_.inputs()[static_cast<std::size_t>(input)].name; }
@@ -217,10 +237,12 @@ class Stepper {
   /// What the inputs are now, so that the next step leaves them so.
   void take_values(Live& inputs) const {
     for (std::size_t k = 0; k < inputs.numbers.size(); ++k)
-      (*inputs.values)[k] = simulation_.input_value(inputs.numbers[k]);
+      if (inputs.numbers[k] >= 0) (*inputs.values)[k] = simulation_.input_value(inputs.numbers[k]);
+    inputs.taken = *inputs.values;
   }
 
   void put_channels() {
+    std::erase_if(channels_, [](const Live& live) { return live.values.use_count() == 1; });
     for (const Live& live : channels_)
       for (std::size_t k = 0; k < live.numbers.size(); ++k)
         (*live.values)[k] = simulation_.value({live.numbers[k]});
@@ -393,7 +415,8 @@ void bind_simulation(nb::module_& module) {
           nb::arg("name"), nb::keep_alive<0, 1>(),
           "The channel of that name; UnknownName where there is none.")
       .def("input_array", &Stepper::live_inputs, nb::arg("names"),
-           "An array whose values these inputs have from the next step on, at each step.")
+           "An array whose values these inputs have from the next step on, at each step, as long as it is "
+           "kept. An input is in the array that was asked for last.")
       .def("channel_array", &Stepper::live_channels, nb::arg("names"),
            "An array that has these channels' values now, and after each step.")
       .def(

@@ -7,6 +7,7 @@ import pickle
 import subprocess
 import sys
 import threading
+import time
 
 import mimbre
 import numpy as np
@@ -75,6 +76,57 @@ def test_arrays_of_inputs_and_channels_are_live(pendulum):
         sim.step()
     del sim
     assert np.isfinite(y).all()  # the memory outlives the simulation
+
+
+def test_an_input_array_counts_as_long_as_it_is_kept(pendulum):
+    sim = pendulum.simulation()
+    torque, k = sim.input("torque"), sim.input("k")
+    u = sim.input_array(["torque"])
+    u[0] = 0.5
+    sim.step()
+    torque.value = 0.7
+    sim.step()
+    assert torque.value == 0.5
+    del u
+    torque.value = 0.7
+    sim.step()
+    assert torque.value == 0.7
+    sim.input_array(["torque"])[0] = -0.5  # counts, though nobody keeps the array
+    sim.step()
+    assert torque.value == -0.5
+    both = sim.input_array(["torque", "k"])
+    both[:] = 0.1, 3
+    other = sim.input_array(["torque"])
+    other[0] = 0.2
+    sim.step()
+    assert (torque.value, k.value) == (0.2, 3)
+    del other
+    both[:] = 0.3, 4
+    sim.step()
+    assert (torque.value, k.value) == (0.2, 4)
+    state = sim.save()
+    both[1] = 5
+    sim.step()
+    sim.restore(state)
+    assert both[1] == k.value == 4
+
+
+def test_arrays_that_are_left_cost_nothing(pendulum):
+    sim = pendulum.simulation()
+
+    def seconds() -> float:
+        begin = time.perf_counter()
+        sim.step(5000)
+        return time.perf_counter() - begin
+
+    few = min(seconds() for _ in range(3))
+    for _ in range(5000):
+        sim.input_array(["torque", "k"])[0] = 0.1
+        sim.channel_array(["angle", "z"])
+    assert sim.input("torque").value == 0
+    sim.step()
+    assert sim.input("torque").value == 0.1
+    assert min(seconds() for _ in range(3)) < 10 * few
 
 
 def test_a_restored_state_goes_on_to_the_same_bits(pendulum, examples):
