@@ -80,6 +80,9 @@ class Interrupted(KeyboardInterrupt):
         self.run = run
         """What was computed until then."""
 
+    def __reduce__(self) -> tuple[type[Interrupted], tuple[str, Run]]:
+        return type(self), (str(self), self.run)
+
 
 class SweepInterrupted(KeyboardInterrupt):
     """Ctrl-C stopped a sweep."""
@@ -88,6 +91,9 @@ class SweepInterrupted(KeyboardInterrupt):
         super().__init__(message)
         self.data = data
         """What was done until then; `status` marks rows that were not run."""
+
+    def __reduce__(self) -> tuple[type[SweepInterrupted], tuple[str, xr.Dataset]]:
+        return type(self), (str(self), self.data)
 
 
 def _input_error(diagnostics: Iterable[tuple[str, int, int, str]]) -> InputError:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import html
 import json
 import os
+import tempfile
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,7 +43,7 @@ class Channel(np.ndarray[tuple[Any, ...], np.dtype[np.float64]]):
 
 class Run(Mapping[str, Channel]):
     """A run: `run["chassis.z"]` is the history of a channel at the instants `run.time`. Arrays are the run's own
-    memory, without a copy, and cannot be written to. A name that is not there raises UnknownName.
+    memory, without a copy, and cannot be written to. A name that is not there raises UnknownName. Runs can be pickled.
 
     Example:
         ```python
@@ -159,6 +161,12 @@ class Run(Mapping[str, Channel]):
         """Writes the results file that `mimbre run` would have written (docs/results-format.md)."""
         self._results.write(_checks.path("path", path))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        with tempfile.TemporaryDirectory(prefix="mimbre-") as folder:
+            file = Path(folder, "run.h5")
+            self.save(file)
+            return _unpickled, (file.read_bytes(), self._measured)
+
     def to_pandas(self) -> pd.DataFrame:
         """A table with the channels as columns, by time; `attrs["units"]` has their units."""
         import pandas as pd
@@ -231,6 +239,13 @@ class Run(Mapping[str, Channel]):
     def show(self, height: int = 700) -> Page:
         """The same page inside a notebook (Jupyter, JupyterLab, VS Code), `height` pixels high."""
         return Page(self._results.report(), height)
+
+
+def _unpickled(content: bytes, measured: str) -> Run:
+    with tempfile.TemporaryDirectory(prefix="mimbre-") as folder:
+        file = Path(folder, "run.h5")
+        file.write_bytes(content)
+        return Run(_core.read_results(str(file)), measured)
 
 
 class Page:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import concurrent.futures as futures
+import copy
+import multiprocessing
 import os
+import pickle
 import signal
 import threading
 from pathlib import Path
@@ -236,6 +240,55 @@ def test_a_run_that_fails_has_what_it_had(examples):
         m.compile().run(until=1)
     assert failed.value.run is not None
     assert failed.value.run.time[-1] == pytest.approx(0.1, abs=0.011)
+
+
+def failing(how: str) -> float:
+    """Its torque is no number from 0.1 s on, or its input's function raises there."""
+    m = mimbre.ModelBuilder()
+    m.add_input("push", 0.0)
+    m.add_body("bar", mass=1, com=[0.5, 0, 0], inertia=[1e-3, 0.1, 0.1])
+    m.add_joint("hinge", type="revolute", between=["ground", "bar"], at=[0, 0, 0], axis=[0, 1, 0])
+    m.add_actuator("motor", joint="hinge", torque="push + (t < 0.1 ? 1 : sqrt(0.1 - t))")
+    m.add_output("angle", joint="hinge")
+
+    def push(t: float) -> float:
+        if how == "raises" and t > 0.05:
+            raise LookupError("nothing known")
+        return 0.0
+
+    return float(m.compile().run(until=1, inputs={"push": push})["angle"][-1])
+
+
+@pytest.mark.parametrize(
+    ("how", "kind", "end"), [("fails", mimbre.SimulationError, 0.1), ("raises", LookupError, 0.05)]
+)
+def test_a_run_that_fails_in_another_process_has_its_reason_and_what_it_had(how, kind, end):
+    with pytest.raises(kind) as here:
+        failing(how)
+    with futures.ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+        error = pool.submit(failing, how).exception()
+    assert isinstance(error, kind)
+    assert str(error) == str(here.value)
+    assert error.run.time[-1] == pytest.approx(end, abs=0.011)
+    assert np.array_equal(error.run["angle"], here.value.run["angle"])
+
+
+def test_a_pickled_run_is_the_same(pendulum, tmp_path):
+    run = pendulum.run(inputs={"torque": 0.5})
+    for other in (pickle.loads(pickle.dumps(run)), copy.deepcopy(run)):
+        assert other.summary == run.summary
+        assert list(other) == list(run)
+        for name in run:
+            assert np.array_equal(other[name], run[name], equal_nan=True)
+            assert (other[name].unit, other[name].meaning) == (run[name].unit, run[name].meaning)
+        for one, file in ((run, "a.h5"), (other, "b.h5")):
+            one.save(tmp_path / file)
+        assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
+    stopped = pickle.loads(pickle.dumps(mimbre.Interrupted("stopped", run)))
+    assert str(stopped) == "stopped"
+    assert np.array_equal(stopped.run["angle"], run["angle"])
+    data = mimbre.sweep(pendulum, {"k": [1, 2]})
+    assert pickle.loads(pickle.dumps(mimbre.SweepInterrupted("stopped", data))).data.equals(data)
 
 
 def test_files_are_read(tmp_path):
