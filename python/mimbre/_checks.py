@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import numbers
 import os
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
@@ -21,7 +22,10 @@ def number(name: str, value: object) -> float:
         value = value.item()
     if not isinstance(value, numbers.Real) or isinstance(value, bool):
         raise InputError(f"{name}: a number is needed, not {described(value)}")
-    result = float(value)
+    try:
+        result = float(value)
+    except OverflowError:
+        raise InputError(f"{name}: is too large; a number within ±{sys.float_info.max:.3g} is needed") from None
     if not math.isfinite(result):
         raise InputError(f"{name}: is {result}; a finite number is needed")
     return result

@@ -301,9 +301,10 @@ def _values(name: str, values: Any) -> list[Value]:
 def _value(name: object, value: object) -> Value:
     if isinstance(value, np.generic):
         value = value.item()
-    if isinstance(value, str | bool | int):
+    if isinstance(value, str | bool):
         return value
-    return _checks.number(f"parameters: {name}", value)
+    number = _checks.number(f"parameters: {name}", value)
+    return value if isinstance(value, int) else number
 
 
 def _study(

@@ -59,6 +59,12 @@ MISTAKES = {
     "a channel by number": (lambda p, f: p.run()[0], "there is no channel 0"),
     "a handle that is not there": (lambda p, f: p.simulation().channel("angel"), "did you mean 'angle'?"),
     "an input's handle that is not there": (lambda p, f: p.simulation().input("torq"), "torq"),
+    "a parameter that no number can be": (
+        lambda p, f: mimbre.Model.from_file(f, length=10**400),
+        "'length': is too large",
+    ),
+    "an input that no number can be": (lambda p, f: p.run(inputs={"torque": -(10**400)}), "'torque': is too large"),
+    "a sweep over what no number can be": (lambda p, f: mimbre.sweep(p, {"k": [1, 10**400]}), "k: is too large"),
     "back in time": (lambda p, f: p.simulation().step_until(-1), "is not after now"),
     "a mass below zero": (lambda p, f: body(mimbre.ModelBuilder(), mass=-1), "mass"),
     "a mass that is no number": (
