@@ -51,7 +51,7 @@ void InputBoard::put(Simulation& simulation, int input, double value) {
 void InputBoard::tell_all(Simulation& simulation) {
   since_ = simulation.time();
   if (tracks_)
-    for (InputTrack& track : *tracks_) track.at = 0;
+    for (InputTrack& track : *tracks_) track.next = 0;
   changes_.push({simulation.time(), -1, 0});
   for (int k = 0; k < static_cast<int>(wanted_.size()); ++k)
     changes_.push({simulation.time(), k, simulation.input_value(k)});
@@ -90,9 +90,11 @@ void InputBoard::before(Simulation& simulation) {
   // Times are sums of steps: what is due within a millionth of one is due.
   const double now = simulation.time() - since_ + 1e-6 * simulation.step_size();
   for (InputTrack& track : *tracks_) {
-    while (track.at + 1 < track.times.size() && track.times[track.at + 1] <= now) ++track.at;
-    if (track.times[track.at] <= now) put(simulation, track.input, track.values[track.at]);
-    over = over && track.at + 1 == track.times.size();
+    const std::size_t due = track.next;
+    while (track.next < track.times.size() && track.times[track.next] <= now) ++track.next;
+    // Until the next point others, as events, may set it.
+    if (track.next > due) put(simulation, track.input, track.values[track.next - 1]);
+    over = over && track.next == track.times.size();
   }
   if (over) playing_ = false;
 }

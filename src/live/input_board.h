@@ -13,7 +13,7 @@ namespace mimbre::live {
 struct InputTrack {
   int input = -1;
   std::vector<double> times, values;
-  std::size_t at = 0;  ///< the last point that is not after now
+  std::size_t next = 0;  ///< the first point that is after now
 };
 using InputTracks = std::vector<InputTrack>;
 

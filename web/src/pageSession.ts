@@ -31,7 +31,7 @@ export class PageSession {
   private mostIterations = 0;
   private mostParts = 1;
   private wanted = new Map<number, number>();
-  private tracks: { input: number; track: Track; at: number }[] = [];
+  private tracks: { input: number; track: Track; next: number }[] = [];
   private playing = false;
   private playedSince = 0; // s, of the simulation
   private histories: Track[] = [];
@@ -121,7 +121,7 @@ export class PageSession {
     this.histories = this.facts.inputs.map(() => ({ times: [], values: [] }));
     this.facts.inputs.forEach((_, k) => this.note(k, this.solver.input(k)));
     this.playedSince = this.solver.time;
-    for (const one of this.tracks) one.at = 0;
+    for (const one of this.tracks) one.next = 0;
     this.wanted.clear();
   }
 
@@ -134,9 +134,11 @@ export class PageSession {
     let over = true;
     for (const one of this.tracks) {
       const { times, values } = one.track;
-      while (one.at + 1 < times.length && times[one.at + 1] <= now) ++one.at;
-      if (times[one.at] <= now) this.put(one.input, values[one.at]);
-      over = over && one.at + 1 === times.length;
+      const due = one.next;
+      while (times[one.next] <= now) ++one.next;
+      // Until the next point others, as events, may set it.
+      if (one.next > due) this.put(one.input, values[one.next - 1]);
+      over = over && one.next === times.length;
     }
     if (over) this.play([]);
   }
@@ -212,7 +214,7 @@ export class PageSession {
         break;
       }
       case "play": {
-        const tracks = Object.entries(order.tracks ?? {}).map(([name, track]) => ({ input: this.inputNamed(name), track, at: 0 }));
+        const tracks = Object.entries(order.tracks ?? {}).map(([name, track]) => ({ input: this.inputNamed(name), track, next: 0 }));
         this.play(tracks.filter(({ track }) => track.times.length > 0));
         break;
       }

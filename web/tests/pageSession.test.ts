@@ -92,6 +92,20 @@ test("recorded inputs played from the start give the same state", () => {
   assert.equal(solver.sum, sum);
 });
 
+test("what an event sets lasts until the next point that is played", () => {
+  const { solver, order, said } = started();
+  order({ do: "pause" });
+  order({ do: "play", tracks: { push: { times: [0.1, 0.2, 0.4], values: [0.5, 1, -1] } } });
+  const values: number[] = [];
+  for (let k = 0; k < 50; ++k) {
+    order({ do: "step" });
+    if (k === 30 || k === 45) solver.value = 0; // after the step to 0.31 s
+    values.push(solver.value);
+  }
+  assert.deepEqual([5, 15, 25, 35, 42, 49].map((k) => values[k]), [0, 0.5, 1, 0, -1, 0]);
+  assert.deepEqual(said.flatMap((one) => (one.say === "played" ? [one.on] : [])), [true, false]);
+});
+
 test("snapshots by name; the oldest goes where there is no place", () => {
   const { solver, wait, order, said } = started();
   order({ do: "pause" });
