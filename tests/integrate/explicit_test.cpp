@@ -207,7 +207,7 @@ actuators:
 /// Without gravity nothing but the motion says how fast it goes, and at rest not even that: from there a
 /// force that comes at once must not ask for ever shorter parts.
 TEST(Explicit, StartsFromRestWithoutGravity) {
-  RunOptions options = options_of(Rule::dopri853, 0.002, 1e-5);
+  RunOptions options = options_of(Rule::dopri853, 0.002, 1e-6);
   Simulation simulation(model_of(R"(
 gravity: [0, 0, 0]
 bodies: {block: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
