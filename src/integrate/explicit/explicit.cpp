@@ -6,6 +6,7 @@
 #include "integrate/drift.h"
 #include "integrate/explicit/close_loops.h"
 #include "integrate/explicit/runge_kutta.h"
+#include "integrate/slow_motion.h"
 #include "integrate/vectors.h"
 
 namespace mimbre {
@@ -16,8 +17,6 @@ constexpr int matrices_of_closing = 2;
 /// What the difference of two stages says of the fastest motion counts where it is this share of the
 /// accelerations at play: otherwise it is round-off.
 constexpr double felt = 1e-8;
-/// What goes slower, by the scales, in a step of the model's counts as slow.
-constexpr double least_motion = 1e-3;
 
 }  // namespace
 
@@ -25,7 +24,7 @@ ExplicitStepper::ExplicitStepper(System& system, const IntegratorOptions& option
     : Stepper(options),
       system_(system),
       eighth_(options.rule == IntegratorOptions::Rule::dopri853),
-      slowest_(least_motion / options.step),
+      slow_(slow_motion(options)),
       accelerations_(system, options.tolerance) {
   const int n = system.velocities(), m = system.equations();
   for (Eigen::VectorXd* y : {&v_, &x_, &r_, &zero_}) y->setZero(n);
@@ -117,7 +116,8 @@ double ExplicitStepper::fastest(const Method& method, int& coordinate) const {
       coordinate = k;
     }
   }
-  if (!(a > felt * system_.scales().accelerations(slopes_[second].a.data()))) return 0;
+  const double play = system_.scales().accelerations(slopes_[second].a.data());
+  if (!(a > felt * std::max(play, slow_ * slow_))) return 0;
   // λ² |Δx| + λ |Δv| = |Δa|.
   const double root = v + std::sqrt(v * v + 4 * x * a);
   return root > 0 ? 2 * a / root : 0;
@@ -127,8 +127,7 @@ double ExplicitStepper::fastest(const Method& method, int& coordinate) const {
 /// these times how fast the mechanism goes.
 double ExplicitStepper::error_over_accuracy() const {
   const Scales& scales = system_.scales();
-  // From rest, without gravity, nothing says how fast it goes; then errors of positions decide.
-  const double rate = std::max({scales.rate(v_.data()), scales.of_coordinates(v_.data()), slowest_});
+  const double rate = std::max({scales.rate(v_.data()), scales.of_coordinates(v_.data()), slow_});
   double fifth = 0, third = 0;
   const auto add = [&](double e5, double e3, double scale) {
     fifth += e5 * e5 / (scale * scale);

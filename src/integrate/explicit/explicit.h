@@ -34,8 +34,8 @@ class ExplicitStepper final : public Stepper {
   double fastest(const Method& method, int& coordinate) const;
 
   System& system_;
-  const bool eighth_;     ///< order, else fourth
-  const double slowest_;  ///< 1/s: of slower motions it is the errors of positions alone that count
+  const bool eighth_;  ///< order, else fourth
+  const double slow_;  ///< slow_motion()
   Accelerations accelerations_;
   std::vector<Slope> slopes_;                     ///< of the stages, and at the end of the step
   Eigen::VectorXd q_, v_, multipliers_;           ///< of a stage, then at the end

@@ -5,6 +5,7 @@
 
 #include "integrate/drift.h"
 #include "integrate/explicit/close_loops.h"
+#include "integrate/slow_motion.h"
 #include "integrate/vectors.h"
 
 namespace mimbre {
@@ -39,6 +40,7 @@ double newton_tolerance(const IntegratorOptions& options) {
 RadauStepper::RadauStepper(System& system, const IntegratorOptions& options)
     : Stepper(options),
       system_(system),
+      slow_(slow_motion(options)),
       penalty_(inertia_penalty),
       newton_tolerance_(newton_tolerance(options)),
       matrices_(system, inertia_penalty),
@@ -186,10 +188,11 @@ double RadauStepper::apply(const State& s) {
     stage.change.setZero();
     for (int j = 0; j < stages; ++j) stage.change += h * radau::A[i][j] * stages_[j].r;
   }
-  const double play = std::max(scales.rate(s.v.data()), scales.of_coordinates(stages_.back().v.data()));
+  const double play =
+      std::max({scales.rate(s.v.data()), scales.of_coordinates(stages_.back().v.data()), slow_});
   double size = 0;
   for (Stage& stage : stages_) {
-    if (play > 0) size = std::max(size, scales.of_coordinates(stage.change.data()) / play);
+    size = std::max(size, scales.of_coordinates(stage.change.data()) / play);
     stage.rate = stage.x;
   }
   for (int i = 0; i < stages; ++i)
@@ -248,7 +251,7 @@ double RadauStepper::error_over_accuracy(const State& s) {
   error_x_.setZero();
   error_v_.setZero();
   double error = 0;
-  const double rate = std::max(scales.rate(s.v.data()), scales.of_coordinates(s.v.data()));
+  const double rate = std::max({scales.rate(s.v.data()), scales.of_coordinates(s.v.data()), slow_});
   for (int round = 0; round < 2; ++round) {
     v_ = s.v + error_v_;
     d_ = v_ + by_x_;  // g_x
@@ -265,7 +268,7 @@ double RadauStepper::error_over_accuracy(const State& s) {
     double sum = 0;
     for (int k = 0; k < n; ++k) {
       const double scale = options_.accuracy * scales.coordinates[static_cast<std::size_t>(k)];
-      const double x = error_x_[k] / scale, v = rate > 0 ? error_v_[k] / (scale * rate) : 0;
+      const double x = error_x_[k] / scale, v = error_v_[k] / (scale * rate);
       sum += x * x + v * v;
     }
     error = n > 0 ? std::sqrt(sum / (2 * n)) : 0;

@@ -48,6 +48,7 @@ class RadauStepper final : public Stepper {
   void close(double t);
 
   System& system_;
+  const double slow_;  ///< slow_motion()
   const double penalty_, newton_tolerance_;
   RadauMatrices matrices_;
   std::array<Stage, radau::stages> stages_;
