@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "app/common.h"
 #include "mimbre/reduced_body.h"
 
 namespace mimbre::app {
@@ -63,6 +62,11 @@ void require_different(const std::string& input, const std::string& output) {
   if (input == output || fs::equivalent(input, output, one_is_missing) ||
       (place(input) == place(output) && !unknown))
     throw UsageError(fmt::format("'{}' would be overwritten; choose another name for the output", input));
+}
+
+void require_not_read(const std::string& model, const LoadedModel& loaded, const std::string& output) {
+  require_different(model, output);
+  for (const std::string& file : loaded.other_files) require_different(file, output);
 }
 
 void require_no_body(const std::string& output) {

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
+
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
+#include <map>
 
 #include "app/program.h"
 #include "mimbre/results.h"
@@ -113,6 +115,60 @@ TEST_F(Outputs, NoCommandWritesOverItsInput) {
   EXPECT_TRUE(read_file(folder / "pendulum.yaml") == model);
   EXPECT_TRUE(read_file(folder / "arm.h5") == body);
   EXPECT_TRUE(read_file(folder / "run.h5") == results);
+}
+
+/// Nor over a file that its model names, or a table, whatever they are called.
+TEST_F(Outputs, NoCommandWritesOverWhatItReads) {
+  write_file(folder / "part.csv",
+             "joints:\n  hinge: {type: revolute, between: [ground, bob], at: [0, 0, 0], "
+             "axis: [0, 1, 0], drive: {position: \"t\"}}\n");
+  write_file(
+      folder / "model.csv",
+      "mimbre: 1\ninclude: [part.csv]\nbodies: {bob: {mass: 2, com: [1, 0, 0], inertia: [0.1, 0.1, "
+      "0.1]}}\nloads: {pull: {on: bob, at: [1, 0, 0], force: [1, 0, 0]}}\nsimulation: {step: 0.01, end: "
+      "0.1}\n");
+  write_file(folder / "free.yaml", pendulum);
+  write_file(folder / "motion.csv", "time,hinge\n0,0\n0.5,0.1\n1,0\n");
+  write_file(folder / "step.c", pendulum);
+  write_file(folder / "bar.yaml", R"(mimbre: 1
+materials: {s: {young: 2.1e11, poisson: 0.3, density: 7850}}
+sections: {q: {type: rectangle, width: 0.02, height: 0.01}}
+bodies:
+  beam:
+    frame: {at: [0, 0, 0]}
+    flexible:
+      material: s
+      section: q
+      nodes: {root: [0, 0, 0], tip: [1, 0, 0]}
+      bars: {all: {from: root, to: tip, elements: 2}}
+      clamped: [root]
+      dynamic_modes: 1
+joints: {base: {type: fixed, between: [ground, beam], at: [0, 0, 0]}}
+outputs: [{name: loads, section_force: beam}]
+simulation: {step: 0.01, end: 0.02}
+)");
+  ASSERT_EQ(run({"run", "bar.yaml", "-q", "-o", "bar.h5"}).code, 0);
+  std::map<std::string, std::string> before;
+  for (const char* name : {"part.csv", "model.csv", "free.yaml", "motion.csv", "step.c", "bar.h5"})
+    before[name] = read_file(folder / name);
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"fmu", "model.csv", "-o", "model.csv"},
+        {"fmu", "model.csv", "-o", "part.csv"},
+        {"generate", "step.c", "-o", "."},
+        {"kinematics", "model.csv", "-o", "model.csv"},
+        {"kinematics", "model.csv", "-o", "part.csv"},
+        {"inverse-dynamics", "free.yaml", "--motion", "motion.csv", "-o", "motion.csv"},
+        {"inverse-dynamics", "model.csv", "-o", "part.csv"},
+        {"static", "model.csv", "--path", "-o", "part.csv"},
+        {"stress", "bar.h5", "--loads", "bar.h5"},
+        {"stress", "bar.h5", "--envelopes", "bar.h5"},
+        {"stress", "bar.h5", "--loads", "new.csv", "--envelopes", "./new.csv"},
+        {"page", "free.yaml", "--solver", "motion.csv", "-o", "motion.csv"}}) {
+    const Outcome outcome = run(command);
+    EXPECT_EQ(outcome.code, 2) << command[0] << ' ' << command.back() << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("would be overwritten")) << command[0];
+  }
+  for (const auto& [name, text] : before) EXPECT_TRUE(read_file(folder / name) == text) << name;
 }
 
 }  // namespace

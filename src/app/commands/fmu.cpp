@@ -5,6 +5,7 @@
 #include "app/common.h"
 #include "app/json.h"
 #include "app/method_options.h"
+#include "app/targets.h"
 
 /// mimbre fmu: a model for other simulation programs.
 namespace mimbre::app {
@@ -20,6 +21,8 @@ struct FmuArguments {
 
 int run_fmu(const FmuArguments& a) {
   const LoadedModel loaded = load(a.model, a.settings);
+  require_not_read(a.model, loaded, a.file);
+  require_writable(a.file);
   FmuOptions fmu = a.fmu;
   fmu.version = a.version == "2" ? 2 : 3;
   fmu.kind = a.kind == "me" ? FmuOptions::Kind::model_exchange : FmuOptions::Kind::co_simulation;

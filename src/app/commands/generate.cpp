@@ -5,6 +5,7 @@
 #include "app/common.h"
 #include "app/json.h"
 #include "app/method_options.h"
+#include "app/targets.h"
 #include "mimbre/generate.h"
 
 /// mimbre generate: C99 for one model.
@@ -18,12 +19,28 @@ struct GenerateArguments {
   bool json = false;
 };
 
+/// The folder is made if there is none.
+void check_files(const GenerateArguments& a, const LoadedModel& loaded, const std::string& name) {
+  std::error_code unknown;
+  const std::filesystem::path folder = a.folder;
+  for (const char* end : {".h", ".c"}) {
+    const std::string path = (folder / (name + end)).string();
+    require_not_read(a.model, loaded, path);
+    if (std::filesystem::is_directory(folder, unknown)) require_writable(path);
+  }
+}
+
 int run_generate(const GenerateArguments& a) {
   const LoadedModel loaded = load(a.model, a.settings);
   const std::string name = a.name.empty() ? identifier_of(a.model) : a.name;
+  check_files(a, loaded, name);
   const GeneratedCode code =
       generate_code(loaded.model, run_options(a.method, loaded.model->spec().simulation), name);
-  write_code(code, a.folder);
+  try {
+    write_code(code, a.folder);
+  } catch (const InputError& error) {
+    throw Failure(error.what());
+  }
   for (const std::string& output : code.left_out)
     print_warning(fmt::format("output {} is not in the code", output));
   const std::string path = (std::filesystem::path(a.folder) / (name + ".c")).string();

@@ -7,6 +7,7 @@
 #include "app/common.h"
 #include "app/json.h"
 #include "app/start_inputs.h"
+#include "app/targets.h"
 #include "app/terminal/busy.h"
 #include "app/terminal/table.h"
 #include "mimbre/inverse_dynamics.h"
@@ -115,11 +116,20 @@ std::string to_table(const InverseDynamics& found) {
   return table.text();
 }
 
+void check_output(const InverseArguments& given, const LoadedModel& loaded) {
+  if (given.output.empty()) return;
+  require_not_read(given.model, loaded, given.output);
+  if (!given.motion.empty()) require_different(given.motion, given.output);
+  require_no_body(given.output);
+  require_writable(given.output);
+}
+
 int run_inverse_dynamics(const InverseArguments& given) {
   const bool csv = given.output.ends_with(".csv"), h5 = given.output.ends_with(".h5");
   if (!given.output.empty() && !csv && !h5)
     throw UsageError(fmt::format("-o '{}': a name that ends with .csv or .h5 is needed", given.output));
   const LoadedModel loaded = load(given.model, given.settings);
+  check_output(given, loaded);
   const InverseDynamics found = find_forces(loaded, given);
   std::vector<std::string> warnings = loaded.warnings;
   for (const std::string& warning : found.warnings) {

@@ -7,6 +7,7 @@
 #include "app/common.h"
 #include "app/json.h"
 #include "app/start_inputs.h"
+#include "app/targets.h"
 #include "app/terminal/busy.h"
 #include "app/terminal/table.h"
 #include "mimbre/kinematics.h"
@@ -102,6 +103,11 @@ int run_kinematics(const KinematicsArguments& given) {
   if (!given.output.empty() && !csv && !h5)
     throw UsageError(fmt::format("-o '{}': a name that ends with .csv or .h5 is needed", given.output));
   const LoadedModel loaded = load(given.model, given.settings);
+  if (!given.output.empty()) {
+    require_not_read(given.model, loaded, given.output);
+    require_no_body(given.output);
+    require_writable(given.output);
+  }
   const Kinematics found = follow(loaded, given);
   std::vector<std::string> warnings = loaded.warnings;
   for (const std::string& warning : found.warnings) {

@@ -119,8 +119,7 @@ std::string monitor_table(const RealTimeLoop& loop, const RealTimeMonitor* idle,
 void check_record(const LiveArguments& arguments, const LoadedModel& loaded,
                   const std::vector<std::string>& input_files) {
   if (arguments.record.empty()) return;
-  require_different(arguments.model, arguments.record);
-  for (const std::string& input : loaded.other_files) require_different(input, arguments.record);
+  require_not_read(arguments.model, loaded, arguments.record);
   for (const std::string& input : input_files) require_different(input, arguments.record);
   require_no_body(arguments.record);
   require_writable(arguments.record);

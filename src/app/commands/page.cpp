@@ -23,8 +23,8 @@ int page(const PageArguments& arguments) {
   const std::string output = !arguments.output.empty()
                                  ? arguments.output
                                  : std::filesystem::path(arguments.model).replace_extension(".html").string();
-  require_different(arguments.model, output);
-  for (const std::string& file : loaded.other_files) require_different(file, output);
+  require_not_read(arguments.model, loaded, output);
+  if (!arguments.wasm.empty()) require_different(arguments.wasm, output);
   require_writable(output);
   {
     const Busy busy("assembling the mechanism", !arguments.quiet);

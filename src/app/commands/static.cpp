@@ -6,6 +6,7 @@
 #include "app/common.h"
 #include "app/json.h"
 #include "app/method_options.h"
+#include "app/targets.h"
 #include "app/terminal/busy.h"
 #include "app/terminal/table.h"
 #include "mimbre/buckling.h"
@@ -129,7 +130,10 @@ int run_static(const StaticArguments& arguments) {
     throw UsageError("--path works in relative coordinates with shape integrals, whatever the options state");
   const LoadedModel loaded = load(arguments.model, arguments.settings);
   if (path.wanted) {
-    if (!path.output.empty()) require_different(arguments.model, path.output);
+    if (!path.output.empty()) {
+      require_not_read(arguments.model, loaded, path.output);
+      require_writable(path.output);
+    }
     return run_path(loaded, path, arguments.loads, arguments.json, arguments.strict);
   }
   if (arguments.buckling) return run_buckling(loaded, arguments);

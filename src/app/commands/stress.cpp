@@ -6,6 +6,7 @@
 
 #include "app/common.h"
 #include "app/json.h"
+#include "app/targets.h"
 #include "app/terminal/table.h"
 #include "mimbre/reduced_body.h"
 #include "mimbre/results.h"
@@ -136,7 +137,18 @@ Json envelopes_of(const Results& results, int body, std::string& text) {
   return sections;
 }
 
+void check_tables(const StressArguments& a) {
+  for (const std::string& table : {a.loads, a.envelopes}) {
+    if (table.empty()) continue;
+    require_different(a.results, table);
+    require_no_body(table);
+    require_writable(table);
+  }
+  if (!a.loads.empty() && !a.envelopes.empty()) require_different(a.loads, a.envelopes);
+}
+
 int run_stress(const StressArguments& a) {
+  check_tables(a);
   const Results results = read_results(a.results);
   const std::vector<std::string> names = bodies_with_stress(results);
   if (names.empty())

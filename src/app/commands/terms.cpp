@@ -96,8 +96,7 @@ int run_terms(const TermsArguments& a) {
   const LoadedModel loaded = load(a.model, a.settings);
   const spec::Model& model = loaded.model->spec();
   if (!a.output.empty()) {
-    require_different(a.model, a.output);
-    for (const std::string& input : loaded.other_files) require_different(input, a.output);
+    require_not_read(a.model, loaded, a.output);
     for (const spec::Body& body : model.bodies)
       if (!body.neglected.empty())
         throw InputError(body.mark,
