@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -14,6 +15,8 @@ class RecordedInputs {
   /// that are not finite, and where there are not as many values as times.
   void add(const std::string& name, std::vector<double> times, std::vector<double> values);
   bool contains(const std::string& name) const;
+  /// By the input's name a hash of its table: of the same points it is the same in every process.
+  std::map<std::string, std::uint64_t> fingerprints() const;
   /// What they are at the start, for RunOptions::inputs.
   std::map<std::string, double> start();
   /// Finds the inputs by their names. Throws InputError where the simulation has none.

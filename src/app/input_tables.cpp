@@ -26,6 +26,7 @@ InputTables input_tables(const std::vector<std::string>& given, const std::vecto
     for (RecordedInput& input : read_input_table(path, inputs, name)) {
       const std::string& played = inputs[static_cast<std::size_t>(input.input)].name;
       if (result.tables.contains(played)) throw UsageError(fmt::format("--input {}: is given twice", played));
+      result.file_of_input[played] = path;
       result.tables.add(played, std::move(input.times), std::move(input.values));
     }
     result.files.push_back(path);

@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,8 @@ namespace mimbre::app {
 
 struct InputTables {
   RecordedInputs tables;
-  std::vector<std::string> files;  ///< that they were read from
+  std::vector<std::string> files;                    ///< that they were read from
+  std::map<std::string, std::string> file_of_input;  ///< by the input's name
 };
 
 /// "NAME=FILE.csv" and "FILE.csv", several: tables of one of these inputs, and of all that the table names

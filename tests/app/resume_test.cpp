@@ -259,6 +259,38 @@ TEST_F(Resume, WhatDoesNotFitIsSaid) {
   fails(on, 1, "has layout 'mimbre-run-state-009', this version of mimbre reads 'mimbre-run-state-003'");
 }
 
+/// A table is what it holds, whatever its file is called.
+TEST_F(Resume, TablesOfInputsAreThoseOfTheSavedRun) {
+  write_file(folder / "push.yaml", pendulum +
+                                       "inputs: {torque: {start: 0}}\nactuators: {a: {joint: hinge, "
+                                       "torque: torque}}\n");
+  const auto table = [&](const char* name, const char* value) {
+    write_file(folder / name, std::string("t,torque\n0,0\n0.3,") + value + "\n");
+  };
+  const auto on = [&](const Arguments& more) {
+    return run(with({"run", "push.yaml", "-q", "-o", "on.h5", "--resume", "state"}, more));
+  };
+  table("given.csv", "1");
+  table("same.csv", "1.0");
+  table("other.csv", "9");
+  ASSERT_EQ(run({"run", "push.yaml", "-q", "--input", "given.csv", "-o", "whole.h5"}).code, 0);
+  ASSERT_EQ(run({"run", "push.yaml", "-q", "--input", "given.csv", "-o", "out.h5", "--until", "0.5",
+                 "--save-state", "state"})
+                .code,
+            0);
+  const Outcome other = on({"--input", "other.csv"});
+  EXPECT_EQ(other.code, 1);
+  EXPECT_THAT(other.err, HasSubstr("other.csv: error: the table of input 'torque' is not the one that the "
+                                   "saved run played"));
+  EXPECT_EQ(on({}).code, 2);
+  table("given.csv", "9");
+  EXPECT_EQ(on({"--input", "given.csv"}).code, 1);
+  EXPECT_FALSE(fs::exists(folder / "on.h5"));
+  ASSERT_EQ(on({"--input", "torque=same.csv"}).code, 0);
+  EXPECT_TRUE(read_results((folder / "on.h5").string()).channels ==
+              read_results((folder / "whole.h5").string()).channels);
+}
+
 /// What was taken is said once for all: in the summary, the results file and by check.
 TEST_F(Resume, ARunSaysWhatItTook) {
   std::string endless = pendulum;

@@ -45,6 +45,15 @@ std::string options_json(const RunArguments& arguments) {
   return to_text(json);
 }
 
+/// The same in a saved state: tables by their content, whose files may have other names or other values when
+/// the run continues.
+std::string saved_options_json(const RunArguments& arguments, const RecordedInputs& inputs) {
+  Json json = Json::parse(options_json(arguments));
+  json.erase("input");
+  for (const auto& [name, hash] : inputs.fingerprints()) json["input"][name] = fmt::format("{:016x}", hash);
+  return to_text(json);
+}
+
 void check_targets(const RunArguments& arguments, const LoadedModel& loaded,
                    const std::vector<std::string>& files) {
   const std::string* const targets[] = {&arguments.output, &arguments.csv, &arguments.state};
@@ -54,8 +63,7 @@ void check_targets(const RunArguments& arguments, const LoadedModel& loaded,
     if (target != &arguments.state && !arguments.resume.empty()) require_different(arguments.resume, path);
     for (const std::string* other : targets)
       if (other != target && !other->empty()) require_different(*other, path);
-    require_different(arguments.model, path);
-    for (const std::string& input : loaded.other_files) require_different(input, path);
+    require_not_read(arguments.model, loaded, path);
     for (const std::string& input : files) require_different(input, path);
     require_no_body(path);
     require_writable(path);
@@ -128,9 +136,22 @@ Ending simulate(Simulation& simulation, const RunPlan& plan, RecordedInputs& inp
   return {};
 }
 
+/// An input that the saved run played from a table is played from the same one. `now`, `then`: options.
+void require_same_tables(const InputTables& played, const Json& now, const Json& then) {
+  const Json before = then.value("input", Json::object());
+  for (const auto& [name, file] : played.file_of_input)
+    if (before.contains(name) && before[name] != now["input"][name])
+      throw InputError(Mark{file, 0, 0},
+                       fmt::format("the table of input '{}' is not the one that the saved run played: a run "
+                                   "continues with the same times and values only",
+                                   name));
+}
+
 /// Options that decide the results must be those of the saved run; it may end later.
-void require_same_options(const RunArguments& arguments, const RunState& saved) {
-  Json now = Json::parse(options_json(arguments)), then = Json::parse(saved.options_json);
+void require_same_options(const RunArguments& arguments, const InputTables& played, const RunState& saved) {
+  Json now = Json::parse(saved_options_json(arguments, played.tables)),
+       then = Json::parse(saved.options_json);
+  require_same_tables(played, now, then);
   now.erase("until");
   then.erase("until");
   if (now == then) return;
@@ -222,7 +243,7 @@ int run_model(const RunArguments& given_arguments) {
   std::optional<RunState> saved;
   if (!arguments.resume.empty()) {
     saved = read_run_state(arguments.resume);
-    require_same_options(arguments, *saved);
+    require_same_options(arguments, played, *saved);
   }
   RunOptions options = run_options(arguments.method, given);
   options.end = arguments.until;
@@ -249,7 +270,7 @@ int run_model(const RunArguments& given_arguments) {
   RunTotals totals;
   Saving saving{arguments.state, plan, {}};
   saving.times.output_interval = arguments.every.value_or(2 * plan.end);  // none: at the end
-  saving.state.options_json = options_json(arguments);
+  saving.state.options_json = saved_options_json(arguments, inputs);
   saving.state.program = this_program();
   if (saved) {
     totals = saved->totals;

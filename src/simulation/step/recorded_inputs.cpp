@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/hash64.h"
 #include "mimbre/diagnostics.h"
 
 namespace mimbre {
@@ -33,6 +34,19 @@ void RecordedInputs::add(const std::string& name, std::vector<double> times, std
 
 bool RecordedInputs::contains(const std::string& name) const {
   return std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& track) { return track.name == name; });
+}
+
+std::map<std::string, std::uint64_t> RecordedInputs::fingerprints() const {
+  std::map<std::string, std::uint64_t> result;
+  for (const Track& track : tracks_) {
+    Hash64 hash;
+    for (std::size_t k = 0; k < track.times.size(); ++k) {
+      hash.add(track.times[k]);
+      hash.add(track.values[k]);
+    }
+    result[track.name] = hash.value();
+  }
+  return result;
 }
 
 std::map<std::string, double> RecordedInputs::start() {
