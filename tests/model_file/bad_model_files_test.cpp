@@ -117,6 +117,8 @@ INSTANTIATE_TEST_SUITE_P(
                 1,
                 {"this is UTF-16", "save the file as UTF-8"},
                 std::string("\xFF\xFEm\0i\0m\0b\0r\0e\0:\0 \0001\0", 20)},
+        Mistake{
+            "BehindAMarkOfUtf8", 2, {"'gravti'", "gravity"}, "\xEF\xBB\xBFmimbre: 1\ngravti: [0, 0, 0]\n"},
         Mistake{"Utf16WithoutMark", 1, {"this is UTF-16"}, std::string("m\0i\0m\0b\0r\0e\0", 12)},
         Mistake{"UnbalancedQuote", 3, {"not valid YAML"}, "mimbre: 1\ntitle: \"abc\n"},
         Mistake{"TooDeep", 2, {"nested deeper than"}, "mimbre: 1\ntitle: " + std::string(2000, '[') + "\n"},

@@ -81,6 +81,12 @@ const std::string arm =
     "  arm: {mass: 2, com: [1, 2, 3], inertia: [3, 2, 4, 0.1, 0.2, 0.3], frame: {at: [1, 0, 0], x: [0, 1, "
     "0], y: [0, 0, 1]}}\n";
 
+TEST(ModelFile, MayBeginWithAMarkOfUtf8) {
+  const std::string text =
+      "\xEF\xBB\xBFmimbre: 1\ntitle: marked\nbodies: {a: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}\n";
+  EXPECT_EQ(parse_model(text, "marked.yaml", "").title, "marked");
+}
+
 TEST(ModelFile, ExpressionsAndParameters) {
   const std::string text =
       "parameters:\n  a: 2\n  b: a*3 + 1\n  heavy: true\n  kind: {value: fine, choices: [fine, coarse]}\n"

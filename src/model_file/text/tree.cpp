@@ -9,6 +9,7 @@
 #include <new>
 #include <optional>
 #include <sstream>
+#include <string_view>
 #include <unordered_set>
 
 #include "mimbre/text.h"
@@ -300,6 +301,9 @@ std::shared_ptr<const Tree> parse_yaml(const std::string& text, const std::strin
                                        std::vector<Diagnostic>& errors) {
   if (text.size() > limits.bytes)
     throw InputError({file, 1, 1}, fmt::format("the file is larger than {} MiB", limits.bytes >> 20));
+  // A mark of UTF-8 is no character of the first line; libyaml, told the encoding, does not skip it.
+  constexpr std::string_view utf8_mark = "\xEF\xBB\xBF";
+  if (text.starts_with(utf8_mark)) return parse_yaml(text.substr(utf8_mark.size()), file, limits, errors);
   if (text.starts_with("\x89HDF"))
     throw InputError({file, 0, 0},
                      "is an HDF5 file, such as results or a reduced body, and no model file (YAML)");
