@@ -208,6 +208,21 @@ TEST_F(Commands, CompareFindsTheDifferencesOfTheTables) {
   EXPECT_EQ(run({"compare", "a.h5", "missing.h5"}).code, 1);
 }
 
+/// The doors to a run find a channel by its name.
+TEST_F(Commands, NoOutputIsCalledLikeAStandardChannel) {
+  for (const char* name : {"energy.kinetic", "joint.hinge.position", "solver.iterations"}) {
+    std::string text = pendulum;
+    text.replace(text.find("name: angle"), 11, std::string("name: ") + name);
+    write_file(folder / "taken.yaml", text);
+    for (const char* command : {"run", "check", "static"}) {
+      const Outcome outcome = run({command, "taken.yaml"});
+      EXPECT_EQ(outcome.code, 1) << command;
+      EXPECT_THAT(outcome.err, HasSubstr("taken.yaml:11:5: error: output '" + std::string(name) +
+                                         "': every run of this model has a channel of that name"));
+    }
+  }
+}
+
 TEST_F(Commands, ReportMakesAPageWhereItIsBuiltIn) {
   ASSERT_EQ(run({"run", "pendulum.yaml", "--output", "a.h5", "-q"}).code, 0);
   const Outcome outcome = run({"report", "a.h5", "-o", "page.html"});

@@ -1,8 +1,13 @@
 #include "simulation/observe/channels.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <string_view>
+#include <unordered_map>
 
 #include "dynamics/amplitudes.h"
+#include "mimbre/diagnostics.h"
 #include "outputs/wheel_quantities.h"
 #include "simulation/describe/contact_drawings.h"
 #include "simulation/observe/constraint_channels.h"
@@ -10,6 +15,23 @@
 #include "simulation/observe/element_channels.h"
 
 namespace mimbre {
+namespace {
+
+/// Throws InputError where an output, which comes first, is called like a standard channel.
+void check_names(const std::vector<spec::Output>& outputs, const std::vector<ChannelInfo>& channels) {
+  std::unordered_map<std::string_view, const spec::Output*> named;
+  for (const spec::Output& o : outputs) named.emplace(o.name, &o);
+  std::vector<Diagnostic> taken;
+  for (std::size_t k = outputs.size(); k < channels.size(); ++k)
+    if (const auto found = named.find(channels[k].name); found != named.end())
+      taken.push_back({found->second->mark,
+                       fmt::format("output '{}': every run of this model has a channel of that name ({}); "
+                                   "rename the output, or leave it out",
+                                   channels[k].name, channels[k].meaning)});
+  if (!taken.empty()) throw InputError(std::move(taken));
+}
+
+}  // namespace
 
 void Channels::close_part(Part::Kind kind, int item, Needs needs) {
   const std::size_t first = part_of_.size();
@@ -38,6 +60,7 @@ Channels::Channels(const Compiled& m) : model_(m), draws_ground_(draws_ground(m.
   close_part(Part::Kind::energy, 0, Needs::motion);
   add_solver_info(info_);
   close_part(Part::Kind::solver, 0, Needs::motion);
+  check_names(m.spec().outputs, info_);
 }
 
 void Channels::add_outputs() {
