@@ -4,6 +4,7 @@ objects."""
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -182,7 +183,8 @@ def report(runs: Mapping[str, Run | str | os.PathLike[str]], path: str | os.Path
 
 
 def compare(a: Run | str | os.PathLike[str], b: Run | str | os.PathLike[str]) -> dict[str, Difference]:
-    """The differences of two runs in the channels that both have, as `mimbre compare`.
+    """The differences of two runs in the channels that both have in the same unit, as `mimbre compare`. A warning names
+    those whose units differ.
 
     Args:
         a: the reference, a Run or a results file.
@@ -202,9 +204,15 @@ def compare(a: Run | str | os.PathLike[str], b: Run | str | os.PathLike[str]) ->
     """
     first, second = _run("a", a), _run("b", b)
     found = _core.compare(first._results, second._results)
+    units, others = first.units, second.units
+    differ = [
+        f"'{name}' ({units[name]} and {others[name]})" for name in units if others.get(name, units[name]) != units[name]
+    ]
+    not_compared = f"not compared, as their units differ: {', '.join(differ)}"
     if not found:
-        raise InputError("compare: the runs have no channel in common")
-    units = first.units
+        raise InputError("compare: the runs have no channel in common" + (f"; {not_compared}" if differ else ""))
+    if differ:
+        warnings.warn(not_compared, stacklevel=2)
     return {name: Difference(units[name], *values) for name, *values in found}
 
 

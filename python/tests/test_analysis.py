@@ -68,6 +68,19 @@ def test_compare_is_the_program_s(pendulum, tmp_path):
         mimbre.compare(a, 3)  # type: ignore[arg-type]
 
 
+def test_compare_leaves_out_what_has_other_units():
+    def sliding(**output):
+        m = mimbre.ModelBuilder()
+        m.add_body("mass", mass=2, com=[0, 0, 0], inertia=[1, 1, 1])
+        m.add_joint("guide", type="prismatic", between=["ground", "mass"], at=[0, 0, 0], axis=[0, 0, 1])
+        m.add_output("z", **output)
+        return m.compile().run(until=0.1, step=0.01)
+
+    position, velocity = sliding(joint="guide"), sliding(joint_velocity="guide")
+    with pytest.warns(UserWarning, match=r"not compared, as their units differ: 'z' \(m and m/s\)"):
+        assert "z" not in mimbre.compare(position, velocity)
+
+
 def test_stress_is_the_program_s(examples, pendulum, tmp_path):
     run = mimbre.Model.from_file(examples / "solid-arm/suspension.yaml").run(until=0.2)
     run.save(tmp_path / "run.h5")

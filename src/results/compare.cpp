@@ -109,6 +109,8 @@ std::vector<ChannelDifference> compare(const Results& a, const Results& b) {
   for (std::size_t i = 0; i < a.header.channels.size(); ++i) {
     const auto in_b = channel_of_b.find(a.header.channels[i].name);
     if (in_b == channel_of_b.end()) continue;
+    // A position and a speed of the same name have no difference.
+    if (a.header.channels[i].unit != b.header.channels[static_cast<std::size_t>(in_b->second)].unit) continue;
     differences.push_back(
         results::channel_difference(a, static_cast<Eigen::Index>(i), b, in_b->second, instants));
   }

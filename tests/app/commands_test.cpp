@@ -208,6 +208,22 @@ TEST_F(Commands, CompareFindsTheDifferencesOfTheTables) {
   EXPECT_EQ(run({"compare", "a.h5", "missing.h5"}).code, 1);
 }
 
+/// A coordinate and its rate have no difference.
+TEST_F(Commands, CompareLeavesOutWhatHasOtherUnits) {
+  std::string rates = pendulum;
+  rates.replace(rates.find("joint: hinge}"), 13, "joint_velocity: hinge}");
+  write_file(folder / "rates.yaml", rates);
+  ASSERT_EQ(run({"run", "pendulum.yaml", "--output", "a.h5", "-q"}).code, 0);
+  ASSERT_EQ(run({"run", "rates.yaml", "--output", "b.h5", "-q"}).code, 0);
+  const Outcome outcome = run({"compare", "a.h5", "b.h5"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("as their units in 'a.h5' and 'b.h5' differ: 'angle' (rad and rad/s)"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("angle ")));
+  EXPECT_EQ(run({"compare", "a.h5", "b.h5", "--strict"}).code, 4);
+  EXPECT_EQ(run({"compare", "a.h5", "a.h5", "--strict"}).code, 0);
+  EXPECT_FALSE(run({"compare", "a.h5", "b.h5", "--json"}).json().at("channels").contains("angle"));
+}
+
 /// The doors to a run find a channel by its name.
 TEST_F(Commands, NoOutputIsCalledLikeAStandardChannel) {
   for (const char* name : {"energy.kinetic", "joint.hinge.position", "solver.iterations"}) {

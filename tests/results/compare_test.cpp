@@ -57,6 +57,15 @@ TEST(Compare, PairsChannelsByName) {
   EXPECT_EQ(differences[1].max_difference, 5);
 }
 
+TEST(Compare, LeavesOutWhatHasOtherUnits) {
+  const Results a = series({"x", "y"}, 0, 1, 3, [](double t) { return t; });
+  Results b = a;
+  b.header.channels[0].unit = "m/s";
+  const auto differences = compare(a, b);
+  ASSERT_EQ(differences.size(), 1u);
+  EXPECT_EQ(differences[0].name, "y");
+}
+
 TEST(Compare, InterpolatesTheFinerAtTheInstantsOfTheCoarser) {
   // Between instants the fine series is a chord of t²; the coarse instants lie in the middle of chords.
   const auto square = [](double t) { return t * t; };

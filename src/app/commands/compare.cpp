@@ -18,7 +18,7 @@ namespace {
 
 struct CompareArguments {
   std::vector<std::string> files;
-  bool json = false;
+  bool json = false, strict = false;
 };
 
 /// Of the channel's largest value; a channel that is zero throughout has no scale.
@@ -33,6 +33,17 @@ std::vector<std::string> missing(const Results& from, const Results& in) {
   std::vector<std::string> names;
   for (const ChannelInfo& channel : from.header.channels)
     if (!known.contains(channel.name)) names.push_back(channel.name);
+  return names;
+}
+
+/// Channels that both have in different units, with these.
+std::vector<std::string> in_other_units(const Results& a, const Results& b) {
+  std::map<std::string, std::string> units;
+  for (const ChannelInfo& channel : b.header.channels) units.emplace(channel.name, channel.unit);
+  std::vector<std::string> names;
+  for (const ChannelInfo& channel : a.header.channels)
+    if (const auto in_b = units.find(channel.name); in_b != units.end() && in_b->second != channel.unit)
+      names.push_back(fmt::format("'{}' ({} and {})", channel.name, channel.unit, in_b->second));
   return names;
 }
 
@@ -73,15 +84,25 @@ int run_compare(const CompareArguments& arguments) {
   const std::string &first = arguments.files[0], &second = arguments.files[1];
   const Results a = read_results(first), b = read_results(second);
   const std::vector<ChannelDifference> differences = compare(a, b);
+  const std::vector<std::string> other_units = in_other_units(a, b);
+  const std::string not_compared = fmt::format("{}", fmt::join(other_units, ", "));
   if (differences.empty())
-    throw InputError(Mark{}, fmt::format("'{}' and '{}' have no channel in common", first, second));
+    throw InputError(
+        Mark{},
+        fmt::format(
+            "'{}' and '{}' have no channel in common{}", first, second,
+            other_units.empty() ? "" : fmt::format(" that has the same unit in both: {}", not_compared)));
   const Span in_a = span_of(a), in_b = span_of(b);
   const Span common{std::max(in_a.from, in_b.from), std::min(in_a.until, in_b.until)};
   std::vector<std::string> warnings;
   for (const std::string& warning : {early_end(first, a), early_end(second, b), left_out(first, in_a, common),
                                      left_out(second, in_b, common)})
     if (!warning.empty()) warnings.push_back(warning);
+  if (!other_units.empty())
+    warnings.push_back(
+        fmt::format("not compared, as their units in '{}' and '{}' differ: {}", first, second, not_compared));
   const std::vector<std::string> only_in_a = missing(a, b), only_in_b = missing(b, a);
+  const int code = done_with(!warnings.empty() || !only_in_a.empty() || !only_in_b.empty(), arguments.strict);
   std::map<std::string, std::string> units;
   for (const ChannelInfo& channel : a.header.channels) units[channel.name] = channel.unit;
 
@@ -100,7 +121,7 @@ int run_compare(const CompareArguments& arguments) {
     json["only_in_second"] = only_in_b;
     json["warnings"] = warnings;
     print_data(to_text(json) + '\n');
-    return done;
+    return code;
   }
   Table table({"channel", "unit", "largest difference", "at t, s", "mean difference", "largest / amplitude"});
   for (const ChannelDifference& d : differences)
@@ -111,7 +132,7 @@ int run_compare(const CompareArguments& arguments) {
   for (const std::string& warning : warnings) print_warning(warning);
   if (!only_in_a.empty()) print_warning(fmt::format("only in '{}': {}", first, fmt::join(only_in_a, ", ")));
   if (!only_in_b.empty()) print_warning(fmt::format("only in '{}': {}", second, fmt::join(only_in_b, ", ")));
-  return done;
+  return code;
 }
 
 }  // namespace
@@ -122,8 +143,10 @@ Command add_compare(CommandLine& program) {
   parser.add_option("results", arguments->files, "Two results files (HDF5); the first is the reference")
       .type_name("A.h5 B.h5");
   parser.add_flag("--json", arguments->json, "The same as JSON");
+  add_strict_option(parser, arguments->strict);
   parser.footer(
-      "Compares the channels that both have, on the instants of the coarser one within the time they share.\n"
+      "Compares the channels that both have in the same unit, on the instants of the coarser one within the "
+      "time they share.\n"
       "Example:\n  mimbre compare coarse.h5 fine.h5");
   return {parser, [arguments] { return run_compare(*arguments); }};
 }
