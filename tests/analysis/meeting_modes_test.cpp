@@ -325,5 +325,28 @@ TEST(MeetingModes, OfADrivenCarAreThoseOfTinySteps) {
     for (std::size_t j = 0; j < i; ++j) EXPECT_GT(std::abs(now[i] - now[j]), 1e-3);
 }
 
+/// A block that is damped critically has one eigenvalue twice, which round-off may make a pair.
+TEST(EqualRealEigenvalues, AreTwoModes) {
+  for (const double rate : {1.6, 3.3, 3.7, 4.9}) {
+    const double mass = 0.7;
+    const LinearisedModes found = find_modes(model_of(fmt::format(R"y(
+gravity: [0, 0, 0]
+bodies: {{block: {{mass: {}, com: [0, 0, 0], inertia: [1, 1, 1]}}}}
+joints:
+  slide: {{type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0],
+          spring: {{stiffness: {:.17g}, damping: {:.17g}}}}}
+)y",
+                                                                  mass, mass * rate * rate, 2 * mass * rate)),
+                                             ModesOptions());
+    ASSERT_EQ(found.modes.size(), 2u) << rate;
+    for (const Mode& mode : found.modes) {
+      EXPECT_EQ(mode.kind, Mode::Kind::real);
+      EXPECT_EQ(mode.value.imag(), 0);
+      EXPECT_NEAR(mode.value.real(), -rate, 1e-6 * rate);
+      EXPECT_TRUE(mode.shape.allFinite());
+    }
+  }
+}
+
 }  // namespace
 }  // namespace mimbre::test::meeting_modes_test

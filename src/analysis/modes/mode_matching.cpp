@@ -251,11 +251,15 @@ bool have_met(const Mode& mode) {
            mode.left.norm() > 0);
 }
 
+bool is_nearly_real(std::complex<double> value) {
+  return std::abs(value.imag()) <= nearly_real * std::abs(value);
+}
+
 void part_nearly_real(std::vector<Mode>& modes) {
   std::vector<Mode> out;
   for (Mode& mode : modes) {
     if (!is_pair(mode) || mode.left.size() != mode.shape.size() || mode.fixed != mode.value ||
-        std::abs(mode.value.imag()) > nearly_real * std::abs(mode.value)) {
+        !is_nearly_real(mode.value)) {
       out.push_back(std::move(mode));
       continue;
     }

@@ -1,4 +1,5 @@
 #pragma once
+#include <complex>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -46,7 +47,10 @@ MeetingValues of_two(const Mode& first, const Mode& second);
 /// Whether two decaying or growing modes are so nearly one that their vectors are round-off.
 bool have_met(const Mode& mode);
 
-/// Makes two real modes of each pair whose λ is real but for round-off, as equal real eigenvalues come out:
+/// Whether an eigenvalue is real but for round-off, as equal real eigenvalues come out.
+bool is_nearly_real(std::complex<double> value);
+
+/// Makes two real modes of each pair whose λ is nearly real:
 /// Re x and Im x, with the left vectors 2 Re w and 2 Im w.
 void part_nearly_real(std::vector<Mode>& modes);
 

@@ -13,6 +13,7 @@
 #include "analysis/modes/blades.h"
 #include "analysis/modes/body_shapes.h"
 #include "analysis/modes/floquet.h"
+#include "analysis/modes/mode_matching.h"
 #include "analysis/modes/mode_shapes.h"
 #include "analysis/modes/mode_shares.h"
 #include "analysis/modes/sparse_modes.h"
@@ -247,10 +248,20 @@ std::vector<Mode> eigen_modes(const linear::Linearised& at, const Scales& scales
   const std::vector<Eigen::Index> order = order_of(pairs.values, 0, zeros.count);
   const double largest = order.empty() ? 0 : std::abs(pairs.values[order.back()]);
   for (const Eigen::Index k : order) {
-    if (pairs.values[k].imag() < 0) continue;
-    Mode mode = linear::mode_of(pairs.values[k], imaginary_round_off * largest);
-    set_vectors(mode, pairs.vectors.col(k), left.row(k).adjoint().col(0), r.coordinates, scale);
-    modes.push_back(std::move(mode));
+    const std::complex<double> value = pairs.values[k];
+    if (value.imag() < 0) continue;
+    const auto add = [&](std::complex<double> of, const VectorXcd& x, const VectorXcd& w) {
+      Mode mode = linear::mode_of(of, imaginary_round_off * largest);
+      set_vectors(mode, x, w, r.coordinates, scale);
+      modes.push_back(std::move(mode));
+    };
+    const VectorXcd x = pairs.vectors.col(k), w = left.row(k).adjoint();
+    if (value.imag() > 0 && linear::is_nearly_real(value)) {
+      add(value.real(), x.real(), w.real());
+      add(value.real(), x.imag(), w.imag());
+    } else {
+      add(value, x, w);
+    }
   }
   return modes;
 }
