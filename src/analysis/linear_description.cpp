@@ -9,6 +9,7 @@
 #include "analysis/linear_turning.h"
 #include "compile/element_name.h"
 #include "joints/joint_kind.h"
+#include "math/once/decompositions.h"
 #include "simulation/observe/channels.h"
 #include "simulation/watch/validity.h"
 
@@ -22,6 +23,8 @@ namespace {
 constexpr double balanced = 1e-6;  ///< of accelerations: none
 /// Of the accelerations that displacements by the mechanism's size bring about: round-off of what balances.
 constexpr double nothing_moves = 1e-13;
+/// Of what the largest force would accelerate by itself: what is left of forces that balance.
+constexpr double cancelled = 1e-8;
 constexpr double constant = 1e-7;  ///< of coefficients: they do not vary
 
 std::string with_number(const std::string& name, int count, int k) {
@@ -107,8 +110,68 @@ double stiffness_at(int coordinate, const Scales& scales, const Linearised& out)
   return most / scales.coordinates[static_cast<std::size_t>(coordinate)];
 }
 
+/// Calls each(element, its ends, its state) of all whose force acts, after a residual.
+template <class Each>
+void for_forces(const Compiled& m, relative::Workspace<double>& w, Each&& each) {
+  for (const ElementData& e : m.elements) {
+    const ElementEnds ends = ends_of(m, e, w.signals.states + e.states);
+    if (e.measure == Measure::sum || (e.body < 0 && ends.frame_b < 0)) continue;
+    each(e, ends, element_state(e, w.elements.data()));
+  }
+}
+
+/// The rate of what a component of a force works along, after kinematics.
+double rate_along(const relative::Workspace<double>& w, const ElementData& e, const ElementEnds& ends,
+                  const ElementState<double>& s, int k) {
+  const Motion<double>& b = w.frames[ends.frame_b];
+  Vec3d velocity = b.velocity, spin = b.omega;
+  if (ends.frame_a >= 0) {
+    const Motion<double>& a = w.frames[ends.frame_a];
+    velocity -= a.velocity + a.omega.cross(b.position - a.position);
+    spin -= a.omega;
+  }
+  return s.linear_of(k).dot(velocity) + (has_moment(e.measure) ? s.angular_of(k).dot(spin) : 0);
+}
+
+/// The largest acceleration, 1/s², that one force element would bring about by itself: where forces balance
+/// they are at play, though nothing accelerates.
+double acceleration_by_forces(const Compiled& m, relative::RelativeSystem& system, const Linearised& at) {
+  const State& s = at.state;
+  const int speeds = at.reduced.speeds;
+  if (speeds == 0) return 0;
+  const MatrixXd motions = at.reduced.velocity.middleCols(at.reduced.coordinates, speeds);
+  const VectorXd still = VectorXd::Zero(m.velocities);
+  VectorXd r(m.velocities);
+  system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
+  auto& w = system.workspace();
+  int components = 0;
+  for_forces(m, w, [&](const ElementData& e, const ElementEnds&, const ElementState<double>&) {
+    components += e.body >= 0 ? 1 : e.count;
+  });
+  MatrixXd works(speeds, components);
+  for (int j = 0; j < speeds; ++j) {
+    const VectorXd v = motions.col(j);
+    system.kinematics(s.time, s.q.data(), v.data(), still.data());
+    int column = 0;
+    for_forces(m, w, [&](const ElementData& e, const ElementEnds& ends, const ElementState<double>& state) {
+      if (e.body >= 0) {
+        works(j, column++) = state.force[0] * v[e.v];
+        return;
+      }
+      for (int k = 0; k < state.count; ++k)
+        works(j, column++) = state.force[k] * rate_along(w, e, ends, state, k);
+    });
+  }
+  const MatrixXd accelerations = motions * solve(at.reduced.mass, works);
+  double most = 0;
+  for (Eigen::Index k = 0; k < accelerations.cols(); ++k)
+    most = std::max(most, system.scales().of_coordinates(accelerations.col(k).data()));
+  return most;
+}
+
 /// What moves fastest, and how far the motion is from a steady one.
-void name_fastest(const Compiled& m, const Scales& scales, Linearised& out) {
+void name_fastest(const Compiled& m, relative::RelativeSystem& system, Linearised& out) {
+  const Scales& scales = system.scales();
   LinearModel& names = out.names;
   const State& s = out.state;
   int where = -1;
@@ -121,6 +184,8 @@ void name_fastest(const Compiled& m, const Scales& scales, Linearised& out) {
   const double play = std::max({scales.accelerations(s.a.data()), rate * rate});
   names.unsteady = play > 0 ? most / play : 0;
   if (where >= 0 && most <= nothing_moves * stiffness_at(where, scales, out)) names.unsteady = 0;
+  if (names.unsteady > balanced && most <= cancelled * acceleration_by_forces(m, system, out))
+    names.unsteady = 0;
   if (where >= 0) {
     names.accelerated = coordinate_label(m, where).name;
     names.acceleration = std::abs(unsteady[where]);
@@ -251,6 +316,27 @@ double pace_of(const System& system, const VectorXd& v) {
   return pace > 0 ? pace : 1;
 }
 
+double work_of_forces(const Compiled& m, relative::RelativeSystem& system, const State& s) {
+  const VectorXd still = VectorXd::Zero(m.velocities), none = VectorXd::Zero(m.equations);
+  VectorXd r(m.velocities);
+  system.residual(s.time, s.q.data(), still.data(), still.data(), none.data(), 0, r.data());
+  double most = 0;
+  for_forces(m, system.workspace(),
+             [&](const ElementData& e, const ElementEnds&, const ElementState<double>& state) {
+               if (e.body >= 0) {
+                 const double scale = system.scales().coordinates[static_cast<std::size_t>(e.v)];
+                 most = std::max(most, std::abs(state.force[0]) * scale);
+                 return;
+               }
+               for (int k = 0; k < state.count; ++k) {
+                 const double arm = state.linear_of(k).norm() * m.length_scale +
+                                    (has_moment(e.measure) ? state.angular_of(k).norm() : 0);
+                 most = std::max(most, std::abs(state.force[k]) * arm);
+               }
+             });
+  return most;
+}
+
 LinearName coordinate_label(const Compiled& m, int coordinate) {
   for (const BodyData& b : m.bodies) {
     const int k = coordinate - b.v;
@@ -269,7 +355,7 @@ void describe(const Compiled& m, relative::RelativeSystem& system, Linearised& o
   const Scales& scales = system.scales();
   LinearModel& names = out.names;
   name_variables(m, out);
-  name_fastest(m, scales, out);
+  name_fastest(m, system, out);
   const double pace = pace_of(system, out.state.v);
   const bool rests = names.speed <= still * pace, steady = names.unsteady <= balanced;
   if (!steady)

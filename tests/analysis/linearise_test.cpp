@@ -528,6 +528,23 @@ joints: {pin: {type: revolute, between: [ground, bob], at: [0, 0, 0], axis: [0, 
   EXPECT_NEAR(m.acceleration, 2 * 9.81 * 0.7 / 1.0, 1e-9);
 }
 
+/// One of two forces that hold each other, a little larger than the other, moves the body.
+TEST(Linearise, SaysWhereForcesNearlyBalance) {
+  for (const double more : {0., 1e-6}) {
+    const LinearModel m = linearise(model_of(fmt::format(R"yaml(
+gravity: [0, 0, 0]
+bodies: {{block: {{mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}}}
+joints: {{slide: {{type: prismatic, between: [ground, block], at: [0, 0, 0], axis: [1, 0, 0]}}}}
+loads:
+  push: {{on: block, at: [0, 0, 0], force: [3, 0, 0]}}
+  pull: {{on: block, at: [0, 0, 0], force: [{}, 0, 0]}}
+)yaml",
+                                                         -3 - more)),
+                                    at_start());
+    EXPECT_EQ(m.warnings.size(), more > 0 ? 1u : 0u);
+  }
+}
+
 TEST(Linearise, RefusesWhatHasNoMass) {
   try {
     linearise(model_of(R"yaml(

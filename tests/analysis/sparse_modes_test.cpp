@@ -80,6 +80,40 @@ TEST(SparseModes, SayHowManyShareThem) {
   EXPECT_THAT(found.modes[0].text, testing::ContainsRegex("others with [0-9.]+ %"));
 }
 
+TEST(SparseModes, SayWhereNothingCanMove) {
+  try {
+    modes_of(R"(
+bodies: {a: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {j: {type: fixed, between: [ground, a], at: [0, 0, 0]}}
+)",
+             ModesSolver::sparse, 4);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("nothing can move"));
+  }
+}
+
+/// Without gravity what is left of forces that balance is compared with these.
+TEST(SparseModes, TakeForcesThatBalanceForAnEquilibrium) {
+  const std::string held = R"(
+gravity: [0, 0, 0]
+bodies: {a: {mass: 1, com: [0, 0, 0], inertia: [0.01, 0.02, 0.03]}}
+joints: {r: {type: revolute, between: [ground, a], at: [0, 0, 0], axis: [0, 0, 1]}}
+)",
+                    moment = "loads: {l: {on: a, at: [0, 0, 0], moment: [0, 0, 2]}}\n",
+                    bushing =
+                        "bushings: {b: {between: [ground, a], at: [0, 0, 0], stiffness: [1, 1, 1, 1, 1, "
+                        "2]}}\n",
+                    torque = "actuators: {m: {joint: r, torque: 2}}\n";
+  std::string spring = held;
+  spring.replace(spring.rfind("}}"), 1, ", spring: {stiffness: 2}}");
+  for (const std::string& text : {spring + moment, spring + torque, held + bushing + moment}) {
+    SCOPED_TRACE(text);
+    EXPECT_TRUE(modes_of(text, ModesSolver::dense, 3).model.warnings.empty());
+    expect_same(text, 3, 1e-9);
+  }
+}
+
 /// Asked for more modes than there are motions they are those of the motions, though equations bring
 /// directions without inertia.
 TEST(SparseModes, AreNoMoreThanTheMotions) {

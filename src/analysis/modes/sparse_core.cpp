@@ -94,7 +94,7 @@ std::string not_sparse(const Compiled& m) {
 }
 
 SparseEquations sparse_equations(const natural::NaturalSystem& system, const State& s, const VectorXd& u,
-                                 const VectorXd& z) {
+                                 const VectorXd& z, double at_play) {
   const natural::Layout& l = system.layout();
   const int n = l.unknowns;
   const linalg::ColumnColours colours(n, natural::column_groups(l));
@@ -128,9 +128,9 @@ SparseEquations sparse_equations(const natural::NaturalSystem& system, const Sta
   out.pencil.C = matrix(By::velocities);
   out.pencil.M = matrix(By::accelerations);
   const double inertia = out.pencil.M.diagonal().cwiseAbs().maxCoeff(),
-               weight = inertia * system.scales().acceleration;
+               play = std::max(inertia * system.scales().acceleration, at_play);
   const double work = r.cwiseAbs().maxCoeff();
-  out.unbalanced = work == 0 ? 0 : weight > 0 ? work / weight : 1;
+  out.unbalanced = work == 0 ? 0 : play > 0 ? work / play : 1;
   // The Jacobian as of the last matrix_values() of the system, at the same position.
   const VectorXd given = Eigen::Map<const VectorXd>(system.scales().coordinates.data(), n);
   SparseMatrix J = sparse_jacobian(system).J * out.scale.cwiseQuotient(given).asDiagonal();

@@ -12,7 +12,8 @@ namespace mimbre::linear {
 struct SparseEquations {
   linalg::ConstrainedPencil pencil;
   Eigen::VectorXd scale;  ///< δq = scale times x
-  /// The largest work of forces that do not balance at the point, of that of the heaviest part's weight.
+  /// The largest work of forces that do not balance at the point, of that of the heaviest part's weight or of
+  /// what else is at play.
   double unbalanced = 0;
 };
 
@@ -20,9 +21,10 @@ struct SparseEquations {
 std::string not_sparse(const Compiled& model);
 
 /// At a state at rest, in natural coordinates, with its multipliers; u, z: inputs and states of elements as
-/// in the relative formulation. Derivatives are those over dual numbers, all columns of a colour at once.
-/// Throws std::runtime_error where a force acts elsewhere than between what it measures.
+/// in the relative formulation. `at_play`: the largest work of a force along the scales. Derivatives are
+/// those over dual numbers, all columns of a colour at once. Throws std::runtime_error where a force acts
+/// elsewhere than between what it measures.
 SparseEquations sparse_equations(const natural::NaturalSystem& system, const State& natural,
-                                 const Eigen::VectorXd& u, const Eigen::VectorXd& z);
+                                 const Eigen::VectorXd& u, const Eigen::VectorXd& z, double at_play);
 
 }  // namespace mimbre::linear

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "analysis/linear_description.h"
 #include "analysis/modal_scales.h"
 #include "analysis/modes/mode_shapes.h"
 #include "analysis/modes/mode_shares.h"
@@ -135,7 +136,7 @@ LinearisedModes described(const Linearised& located, const State& relative, cons
 
 std::optional<LinearisedModes> sparse_modes(const Linearised& located, int most, std::string& why) {
   const Compiled& m = located.model->compiled();
-  why = not_sparse(m);
+  why = m.velocities == 0 ? "nothing can move" : not_sparse(m);
   if (!why.empty()) return {};
   State relative = located.state;
   if (relative.v.size() > 0 && relative.v.cwiseAbs().maxCoeff() > 0) {
@@ -159,7 +160,8 @@ std::optional<LinearisedModes> sparse_modes(const Linearised& located, int most,
   find_sparse_multipliers(*system, natural);
   SparseEquations equations;
   try {
-    equations = sparse_equations(*system, natural, relative.u, relative.z);
+    equations =
+        sparse_equations(*system, natural, relative.u, relative.z, work_of_forces(m, observer, relative));
   } catch (const std::runtime_error& error) {
     why = error.what();
     return {};
