@@ -69,6 +69,23 @@ const std::string& name_of_body(const Compiled& m, int body) {
   return m.spec().bodies[static_cast<std::size_t>(m.bodies[static_cast<std::size_t>(body)].spec)].name;
 }
 
+/// The body that is asked for, or without a name any where there is `no_other`, may be on a floating joint
+/// that is written the other way.
+void refuse_reversed(const Compiled& m, const std::string& wanted, bool no_other) {
+  for (std::size_t k = 0; k < m.bodies.size(); ++k) {
+    const BodyData& b = m.bodies[k];
+    if (b.parent >= 0 || !b.reversed || b.joint != spec::JointType::floating) continue;
+    const std::string& name = name_of_body(m, static_cast<int>(k));
+    if (wanted.empty() ? !no_other : name != wanted) continue;
+    const spec::Joint& joint = m.spec().joints[static_cast<std::size_t>(b.joint_spec)];
+    throw InputError(joint.mark,
+                     fmt::format("steady driving: the floating joint '{}' goes from the body to the ground; "
+                                 "write it from the ground to the body, `between: [ground, {}]`, with its "
+                                 "velocities at the start in that sense",
+                                 joint.name, name));
+  }
+}
+
 class TrimSearch {
  public:
   TrimSearch(const Compiled& m, relative::RelativeSystem& system, const State& start,
@@ -164,6 +181,7 @@ TrimSearch::TrimSearch(const Compiled& m, relative::RelativeSystem& system, cons
       rovers_(rovers_of(m, up_)),
       turns_(static_cast<std::size_t>(m.velocities), 0) {
   const auto refuse = [&](const std::string& text) { return InputError(Mark{m.spec().file, 0, 0}, text); };
+  refuse_reversed(m, wanted_.body, rovers_.empty());
   if (rovers_.empty())
     throw refuse(
         "steady driving: no body is on a floating joint to the ground; for what turns about fixed axes use "

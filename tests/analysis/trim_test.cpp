@@ -25,6 +25,20 @@
 namespace mimbre::test::trim_test {
 namespace {
 
+TEST(Trim, SaysWhichWayTheFloatingJointIsNeeded) {
+  std::string text = PlainCar().text();
+  const std::string joint = "between: [ground, chassis]";
+  ASSERT_NE(text.find(joint), std::string::npos);
+  text.replace(text.find(joint), joint.size(), "between: [chassis, ground]");
+  try {
+    trim(model_of(text), turn(15, 2, {"steer", "push"}));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("goes from the body to the ground; write it from the ground "
+                                                 "to the body, `between: [ground, chassis]`"));
+  }
+}
+
 /// The steering beyond that of the radius, for each m/s² of lateral acceleration, is the bicycle's.
 TEST(Trim, SteersAsABicycleDoes) {
   const PlainCar car;
