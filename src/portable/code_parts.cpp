@@ -13,6 +13,49 @@
 #include "portable/write_tables.h"
 
 namespace mimbre::portable {
+namespace {
+
+/// What the headers declare that the code includes: functions, types and macros of C99, and what compilers
+/// know or declare beside it.
+bool is_of_library(const std::string& name) {
+  // Of <math.h>, also with f and l behind them.
+  static const std::set<std::string> of_math{
+      "acos",      "acosh",       "asin",       "asinh", "atan",      "atan2",  "atanh",   "cbrt",
+      "ceil",      "copysign",    "cos",        "cosh",  "erf",       "erfc",   "exp",     "exp2",
+      "expm1",     "fabs",        "fdim",       "floor", "fma",       "fmax",   "fmin",    "fmod",
+      "frexp",     "hypot",       "ilogb",      "ldexp", "lgamma",    "llrint", "llround", "log",
+      "log10",     "log1p",       "log2",       "logb",  "lrint",     "lround", "modf",    "nan",
+      "nearbyint", "nextafter",   "nexttoward", "pow",   "remainder", "remquo", "rint",    "round",
+      "scalbln",   "scalbn",      "sin",        "sinh",  "sqrt",      "tan",    "tanh",    "tgamma",
+      "trunc",     "drem",        "exp10",      "gamma", "j0",        "j1",     "jn",      "pow10",
+      "scalb",     "significand", "sincos",     "y0",    "y1",        "yn",     "finite"};
+  static const std::set<std::string> others{
+      "double_t",    "float_t",   "fpclassify",  "isfinite",      "isgreater",   "isgreaterequal",
+      "isinf",       "isless",    "islessequal", "islessgreater", "isnan",       "isnormal",
+      "isunordered", "signbit",   "signgam",     "HUGE_VAL",      "HUGE_VALF",   "HUGE_VALL",
+      "INFINITY",    "NAN",       "NULL",        "bool",          "true",        "false",
+      "offsetof",    "ptrdiff_t", "size_t",      "wchar_t",       "max_align_t", "bcmp",
+      "bcopy",       "bzero",     "ffs",         "ffsl",          "ffsll",       "index",
+      "rindex",      "memchr",    "memcmp",      "memcpy",        "memmove",     "memset",
+      "memccpy",     "mempcpy",   "strcat",      "strchr",        "strcmp",      "strcoll",
+      "strcpy",      "strcspn",   "strerror",    "strlen",        "strncat",     "strncmp",
+      "strncpy",     "strpbrk",   "strrchr",     "strspn",        "strstr",      "strtok",
+      "strxfrm",     "strdup",    "strndup",     "strsep",        "strsignal",   "stpcpy",
+      "stpncpy",     "strnlen",   "strcasecmp",  "strncasecmp",   "abort",       "abs",
+      "atexit",      "atof",      "atoi",        "atol",          "atoll",       "bsearch",
+      "calloc",      "div",       "div_t",       "exit",          "free",        "getenv",
+      "labs",        "ldiv",      "ldiv_t",      "llabs",         "lldiv",       "lldiv_t",
+      "malloc",      "mblen",     "mbstowcs",    "mbtowc",        "qsort",       "rand",
+      "random",      "realloc",   "srand",       "srandom",       "strtod",      "strtof",
+      "strtol",      "strtold",   "strtoll",     "strtoul",       "strtoull",    "system",
+      "wcstombs",    "wctomb",    "alloca",      "main",          "printf",      "linux",
+      "unix",        "asm",       "typeof"};
+  const auto known = [&](const std::string& one) { return of_math.contains(one); };
+  const bool ends = name.ends_with('f') || name.ends_with('l');
+  return known(name) || (ends && known(name.substr(0, name.size() - 1))) || others.contains(name);
+}
+
+}  // namespace
 
 std::string identifier(const std::string& text) {
   std::string out;
@@ -37,6 +80,13 @@ void check_identifier(const std::string& name) {
   throw InputError(Mark{}, fmt::format("the name '{}' is no identifier of C: take letters, digits and _, "
                                        "and begin with a letter",
                                        name));
+}
+
+void check_type_name(const std::string& name) {
+  check_identifier(name);
+  if (is_of_library(name))
+    throw InputError(Mark{},
+                     fmt::format("the name '{}' is taken by the library of C: take another one", name));
 }
 
 std::string upper_case(std::string name) {

@@ -14,6 +14,8 @@ namespace mimbre::portable {
 std::string identifier(const std::string& text);
 /// Throws InputError where it is no identifier of C.
 void check_identifier(const std::string& name);
+/// The same where it cannot be that of a type beside what C's library declares.
+void check_type_name(const std::string& name);
 std::string upper_case(std::string name);
 /// A comment's text, which cannot end it.
 std::string comment(std::string text);

@@ -533,7 +533,7 @@ std::string identifier_of(const std::string& file) {
 
 GeneratedCode portable::generate_steps(const std::shared_ptr<const Model>& model, const RunOptions& options,
                                        const std::string& name, bool varies) {
-  portable::check_identifier(name);
+  portable::check_type_name(name);
   const Compiled& m = model->compiled();
   // As the model and the user have it: a fixed cost may not go with what is refused.
   std::vector<Diagnostic> reasons = portable::refusals(m, resolve_method(m.spec().simulation, options));
@@ -557,12 +557,14 @@ GeneratedCode generate_code(const std::shared_ptr<const Model>& model, const Run
 void write_code(const GeneratedCode& code, const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(Mark{}, fmt::format("cannot write into '{}': {}", folder, error.message()));
   for (const auto& [end, text] : {std::pair(".h", &code.header), std::pair(".c", &code.source)}) {
     const std::filesystem::path path = std::filesystem::path(folder) / (code.name + end);
     std::ofstream file(path, std::ios::binary);
     file << *text;
     file.close();
-    if (!file) throw InputError(Mark{}, fmt::format("cannot write {}", path.string()));
+    if (!file)
+      throw InputError(Mark{}, fmt::format("cannot write '{}': {}", path.string(), std::strerror(errno)));
   }
 }
 

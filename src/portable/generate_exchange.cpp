@@ -468,7 +468,7 @@ class ExchangeGenerator {
 
 GeneratedCode generate_exchange_code(const std::shared_ptr<const Model>& model, const RunOptions& options,
                                      const std::string& name) {
-  portable::check_identifier(name);
+  portable::check_type_name(name);
   const Compiled& m = model->compiled();
   const Method method = resolve_method(m.spec().simulation, options);
   std::vector<Diagnostic> reasons = portable::exchange_refusals(m, method);
