@@ -105,6 +105,18 @@ TEST_F(FmuBlocks, AnIntegratorIsThatOfOurOwnBlock) {
   }
 }
 
+/// Formulas name the block before them, so that what they mean alone does not matter.
+TEST_F(FmuBlocks, OutputsMayBeCalledLikeVariablesOfLaws) {
+  folder.unit(3);
+  for (const char* name : {"x", "t", "sin"}) {
+    const std::string signals = fmt::format(
+        "  p: {{fmu: unit.fmu, outputs: {{{0}: u}}, inputs: {{y: place}}}}\n  force: p.{0}\n", name);
+    EXPECT_EQ(refusal(mass(signals)), "accepted") << name;
+  }
+  EXPECT_THAT(refusal(mass("  p: {fmu: unit.fmu, outputs: {a-b: u}}\n  force: 0\n")),
+              HasSubstr("signal 'p.a-b': a name in expressions has letters"));
+}
+
 TEST_F(FmuBlocks, APiControllerIsThatOfOurOwnBlock) {
   for (const int version : versions) {
     folder.unit(version);

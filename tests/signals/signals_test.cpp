@@ -255,6 +255,8 @@ TEST(SignalErrors, NameWhatIsWrong) {
                         "actuators: {m: {joint: shoulder, torque: \"s\"}}\n")),
             "accepted");
   EXPECT_THAT(refusal(arm("inputs: {t: 0}\n")), HasSubstr("taken by expressions"));
+  EXPECT_THAT(refusal(arm("inputs: {push: 0}\nactuators: {m: {joint: shoulder, torque: \"push + l\"}}\n")),
+              testing::AllOf(HasSubstr("'l' is no variable of this law"), HasSubstr("depends on t, push,")));
   EXPECT_THAT(refusal(arm("inputs: {a: 0}\nsignals: {a: \"1\"}\n")), HasSubstr("choose another"));
   EXPECT_THAT(refusal(arm("actuators: {m: {joint: shoulder, torque: \"3*anlge\"}}\n")), HasSubstr("anlge"));
   EXPECT_THAT(refusal(arm("actuators: {m: {joint: shoulder, force: 3}}\n")), HasSubstr("write 'torque'"));

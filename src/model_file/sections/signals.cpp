@@ -42,6 +42,12 @@ std::optional<spec::Source> find_source(Builder& builder, const Part& part, cons
   return {};
 }
 
+constexpr const char* no_word = "a name in expressions has letters, digits and '_' only";
+
+bool is_word(const std::string& name) {
+  return !name.empty() && starts_name(name[0]) && name_end(name, 0) == name.size();
+}
+
 }  // namespace
 
 SignalText replace_signals(Builder& builder, const Part& part, const std::string& text) {
@@ -82,7 +88,7 @@ SignalText replace_signals(Builder& builder, const Part& part, const std::string
     if (same == result.sources.end()) {
       const std::string variable = fmt::format("signal_{}_", k);
       result.sources.push_back(*source);
-      result.variables.push_back({variable, {variable}, quantity::any});
+      result.variables.push_back({variable, {name, variable}, quantity::any});
     }
     result.text += result.variables[static_cast<std::size_t>(k)].name;
   }
@@ -224,10 +230,9 @@ void read_inputs(Builder& builder, Part& part) {
 
 bool claim_variable(Builder& builder, Names& names, const Part& part, const std::string& full_name,
                     const std::string& name, const Mark& mark, int index) {
-  const bool word = !name.empty() && starts_name(name[0]) && name_end(name, 0) == name.size();
   std::string why;
-  if (!word)
-    why = "a name in expressions has letters, digits and '_' only";
+  if (!is_word(name))
+    why = no_word;
   else if (is_variable_name(name) || is_function_name(name) || name == "pi" || name == "true" ||
            name == "false")
     why = "the name is taken by expressions; choose another";
@@ -260,10 +265,23 @@ void claim_signals(Builder& builder, Part& part) {
                        static_cast<int>(builder.model.signals.size())))
       builder.model.signals.push_back(std::move(signal));
   };
+  // Formulas call it BLOCK.OUTPUT, so that x and sin are names, too.
+  const auto claim_output = [&](const std::string& name, const std::string& word, const Mark& mark) {
+    const std::string full = part.full_name(name);
+    if (!is_word(word)) return builder.errors.add(mark, fmt::format("signal '{}': {}", full, no_word));
+    if (builder.input_names.index.contains(full))
+      return builder.errors.add(mark, fmt::format("signal '{}': there is an {} of that name; choose another",
+                                                  full, builder.input_names.kind));
+    spec::Signal signal;
+    signal.name = full;
+    signal.mark = mark;
+    if (builder.claim(builder.signal_names, part, full, mark, static_cast<int>(builder.model.signals.size())))
+      builder.model.signals.push_back(std::move(signal));
+  };
   for (const auto& entry : section->tree().entries) {
     const std::vector<std::string> outputs = output_names(*entry.value);
     if (outputs.empty()) claim(entry.key, entry.key, entry.mark);
-    for (const std::string& output : outputs) claim(entry.key + "." + output, output, entry.mark);
+    for (const std::string& output : outputs) claim_output(entry.key + "." + output, output, entry.mark);
   }
 }
 

@@ -36,7 +36,8 @@ std::string listed(const std::vector<Variable>& variables) {
   std::string text;
   for (const Variable& v : variables) {
     text += (text.empty() ? "" : ", ") + v.names.front();
-    if (v.names.size() > 1) text += fmt::format(" (or {})", v.names[1]);
+    // Behind a signal's name stands what it is replaced by.
+    if (v.names.size() > 1 && !v.names[1].ends_with('_')) text += fmt::format(" (or {})", v.names[1]);
   }
   return text;
 }
