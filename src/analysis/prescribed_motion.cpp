@@ -104,7 +104,7 @@ PrescribedMotion read_motion_table(const std::string& path, const spec::Model& m
   }
   PrescribedMotion motion;
   std::vector<int> column_of(all.size(), -1);
-  for (RecordedInput& read : read_input_table(path, names)) {
+  for (RecordedInput& read : read_input_table(path, names, {}, "a coordinate of a joint")) {
     const Meaning meaning = meanings[static_cast<std::size_t>(read.input)];
     int& at = column_of[meaning.coordinate];
     if (at < 0) {
@@ -132,7 +132,9 @@ PrescribedMotion read_motion_table(const std::string& path, const spec::Model& m
 
 spec::Model with_motion(spec::Model model, const PrescribedMotion& motion, double smooth) {
   if (motion.columns.empty()) throw InputError(Mark{}, "the motion prescribes no coordinate of a joint");
-  if (motion.time.empty()) throw InputError(Mark{}, "the motion has no instant");
+  if (motion.time.size() < 2)
+    throw InputError(Mark{}, fmt::format("the motion has {}; two are needed at least",
+                                         motion.time.empty() ? "no instant" : "one instant"));
   if (!(smooth >= 0 && std::isfinite(smooth)))
     throw InputError(Mark{}, fmt::format("smooth is {}; it is a time in s, 0 or more", smooth));
   for (std::size_t k = 0; k < motion.time.size(); ++k)

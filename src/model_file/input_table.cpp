@@ -165,8 +165,9 @@ std::string in_words(const std::vector<std::string>& names) {
 
 class Table {
  public:
-  Table(const std::string& path, const std::vector<spec::Input>& inputs, const std::string& name)
-      : file_(path), inputs_(inputs), name_(name) {}
+  Table(const std::string& path, const std::vector<spec::Input>& inputs, const std::string& name,
+        const std::string& columns)
+      : file_(path), inputs_(inputs), name_(name), called_(columns) {}
 
   std::vector<RecordedInput> read() {
     std::string_view line;
@@ -291,13 +292,13 @@ class Table {
       if (k == time_) continue;
       const auto found = find(names[k]);
       if (!found)
-        file_.fail(fmt::format("column '{}' is no input or tunable parameter of the model{}", shown(names[k]),
+        file_.fail(fmt::format("column '{}' is not {} of the model{}", shown(names[k]), called_,
                                did_you_mean(names[k], input_names())));
       for (const RecordedInput& column : columns_)
         if (column.input == *found) file_.fail(fmt::format("has more than one column '{}'", names[k]));
       add_column(*found, k);
     }
-    if (columns_.empty()) file_.fail("has no column of an input");
+    if (columns_.empty()) file_.fail(fmt::format("has no column of {}", called_));
   }
 
   /// Whether the line below the header has the units of the columns.
@@ -343,7 +344,7 @@ class Table {
 
   TextFile file_;
   const std::vector<spec::Input>& inputs_;
-  const std::string& name_;
+  const std::string &name_, &called_;
   char separator_ = ',';
   Numbers numbers_{','};
   Cells cells_;              ///< of the line at hand
@@ -359,7 +360,7 @@ class Table {
 }  // namespace
 
 std::vector<RecordedInput> read_input_table(const std::string& path, const std::vector<spec::Input>& inputs,
-                                            const std::string& name) {
+                                            const std::string& name, const std::string& columns) {
   if (!name.empty()) {
     std::vector<std::string> names;
     for (const spec::Input& input : inputs) names.push_back(input.name);
@@ -371,7 +372,7 @@ std::vector<RecordedInput> read_input_table(const std::string& path, const std::
   if (std::filesystem::is_regular_file(path, unknown) &&
       std::filesystem::file_size(path, unknown) > largest_file)
     throw InputError({path, 0, 0}, "is larger than 1 GiB; an input's table has a line per change");
-  return Table(path, inputs, name).read();
+  return Table(path, inputs, name, columns).read();
 }
 
 }  // namespace mimbre

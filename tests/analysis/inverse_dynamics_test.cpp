@@ -310,6 +310,10 @@ TEST(InverseDynamics, RefusesWhatCannotBeByName) {
   PrescribedMotion backwards = motion;
   backwards.time = {0, 0.2, 0.1};
   EXPECT_THAT(message([&] { inverse_dynamics(model, &backwards); }), HasSubstr("must ascend"));
+  PrescribedMotion one_instant = motion;
+  one_instant.time = {0};
+  for (PrescribedMotion::Column& column : one_instant.columns) column.position = {0};
+  EXPECT_THAT(message([&] { inverse_dynamics(model, &one_instant); }), HasSubstr("has one instant; two are"));
 }
 
 TEST(InverseDynamics, ReadsTablesOfMotionAndNamesTheirFaults) {
@@ -325,7 +329,8 @@ TEST(InverseDynamics, ReadsTablesOfMotionAndNamesTheirFaults) {
   EXPECT_EQ(motion.time, (std::vector<double>{0, 1}));
   EXPECT_EQ(motion.columns[1].acceleration, (std::vector<double>{3, 6}));
   EXPECT_EQ(read("time,joint.elbow.position\n0,1\n1,2\n").columns[0].position, (std::vector<double>{1, 2}));
-  EXPECT_THAT(message([&] { read("time,elbo\n0,1\n"); }), HasSubstr("'elbow'"));
+  EXPECT_THAT(message([&] { read("time,elbo\n0,1\n"); }),
+              HasSubstr("'elbo' is not a coordinate of a joint of the model (did you mean 'elbow'?)"));
   EXPECT_THAT(message([&] { read("time,elbow [m]\n0,1\n"); }), HasSubstr("rad"));
   EXPECT_THAT(message([&] { read("time,elbow\n0,x\n"); }), HasSubstr("is not a number"));
   EXPECT_THAT(message([&] { read("time,elbow\n1,1\n0,1\n"); }), HasSubstr("do not increase"));

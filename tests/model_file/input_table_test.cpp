@@ -119,7 +119,8 @@ TEST_F(InputTable, RefusesWrongColumns) {
   EXPECT_THAT(refusal("t,u,w,u\n0,1,1,1\n", ""), HasSubstr("1: has more than one column 'u'"));
   EXPECT_THAT(
       refusal("t,u,shar\n0,1,1\n", ""),
-      HasSubstr("1: column 'shar' is no input or tunable parameter of the model (did you mean 'share'?)"));
+      HasSubstr(
+          "1: column 'shar' is not an input or tunable parameter of the model (did you mean 'share'?)"));
   EXPECT_THAT(refusal("t\n0\n", ""), HasSubstr("1: has no column of an input"));
   EXPECT_THAT(refusal("t,u,\n0,1,\n"), HasSubstr("1: column 3 has no name"));
   EXPECT_THROW(read("t,u\n0,1\n", "nobody"), UnknownName);
