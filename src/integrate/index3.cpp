@@ -51,6 +51,7 @@ IndexThree::IndexThree(System& system, const IntegratorOptions& options)
       prediction_(system.velocities()),
       keeps_(!options.fixed_cost && system.keeps_matrix() &&
              (system.equations() == 0 || motion_.rule.gamma > 0.5)),
+      searches_(!options.fixed_cost && system.hold_sticking(false)),
       mixing_(system.scales(), system.equations()) {
   set_step(options.step);
   const int n = system.velocities(), m = system.equations();
@@ -332,7 +333,7 @@ void IndexThree::update_multipliers(Attempt& t, int iteration) {
 bool IndexThree::apply_correction(const State& s, Attempt& t) {
   if (const int bad = find_not_finite(r_.data(), system_.velocities()); bad >= 0)
     return fail(t, StepCode::not_finite, bad);
-  t.shortened = t.newton.corrections >= search_from && !options_.fixed_cost && shorten_correction(s, t);
+  t.shortened = searches_ && t.newton.corrections >= search_from && shorten_correction(s, t);
   if (!t.shortened) system_.compose(motion_.x.data(), r_.data());
   if (t.newton.slow && !t.leaps) mixing_.mix(motion_.x, lambda_, r_);
   return true;

@@ -102,6 +102,8 @@ class IndexThree final : public Stepper {
   /// The matrix decides how fast the iterations converge, not where to, and is kept over steps; with
   /// equations over a few (judge_matrix), and by a rule that damps what an old one projects wrongly.
   const bool keeps_;
+  /// Corrections that leap across friction are shortened (line_search.cpp).
+  const bool searches_;
   bool kept_ = false;    ///< it may be used in the next step,
   int kept_matrix_ = 0;  ///< if it is still this one
   MatrixWeights kept_weights_;
