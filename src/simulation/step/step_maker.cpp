@@ -60,7 +60,10 @@ bool has_contacts(const Compiled& m) { return m.first_of_contact.back() != m.fir
 int levels(const Compiled& model, const Method& method) {
   if (method.accuracy > 0) return 2;  // the step's begin, and the part's
   if (method.substeps == 1) return 0;
-  if (!has_contacts(model)) return levels_of_convergence;
+  const bool sticks = std::any_of(model.elements.begin(), model.elements.end(),
+                                  [](const ElementData& e) { return law_info(e.law).sticks; });
+  if (!has_contacts(model))
+    return sticks || method.integrator == IntegratorOptions::Rule::radau ? levels_of_convergence : 1;
   int levels = 1;
   for (int parts = method.substeps; parts <= most_parts / method.substeps; parts *= method.substeps) ++levels;
   return levels;
