@@ -214,16 +214,22 @@ class Stepper {
 
   /// What was written into an array that Python has left since counts, once: it may be all that was wanted.
   void put_inputs() {
-    bool left = false;
-    for (Live& live : inputs_) {
-      live.left = live.values.use_count() == 1;
-      left = left || live.left;
-      if (live.left && *live.values == live.taken) continue;
-      for (std::size_t k = 0; k < live.numbers.size(); ++k)
-        if (live.numbers[k] >= 0) put_input(live.numbers[k], (*live.values)[k]);
-      live.taken = *live.values;
+    for (Live& live : inputs_) live.left = live.values.use_count() == 1;
+    try {
+      for (Live& live : inputs_) {
+        if (live.left && *live.values == live.taken) continue;
+        for (std::size_t k = 0; k < live.numbers.size(); ++k)
+          if (live.numbers[k] >= 0) put_input(live.numbers[k], (*live.values)[k]);
+        live.taken = *live.values;
+      }
+    } catch (...) {
+      erase_left();
+      throw;
     }
-    if (left) std::erase_if(inputs_, [](const Live& live) { return live.left; });
+    erase_left();
+  }
+  void erase_left() {
+    std::erase_if(inputs_, [](const Live& live) { return live.left; });
   }
   void put_input(int input, double value) {
     if (!std::isfinite(value))

@@ -25,7 +25,7 @@ class DrivenMotion {
   /// The same at or next to a singular position, which s has been extrapolated to with its velocities and
   /// accelerations: what the equations hardly determine there stays as it arrives.
   bool arrive(State& s);
-  /// The largest violation that the last close() left, by the scales of the equations.
+  /// The largest violation that the last close() or arrive() left, by the scales of the equations.
   double violation() const { return violation_; }
   /// How much the last close() changed the positions, by the scales of the coordinates.
   double change() const { return change_; }

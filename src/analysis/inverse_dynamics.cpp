@@ -32,7 +32,7 @@ constexpr double unbalanced = 1e-7;  ///< of the forces at play, that no force w
 constexpr double balanced_forces = 1e-11;    ///< likewise in a quasi-static balance
 constexpr double tangent_difference = 1e-6;  ///< of motions by their scales, for its tangent
 constexpr int most_balance_rounds = 60;
-constexpr int most_parts_of_way = 100000;
+constexpr int most_parts_of_way = 100000, most_halvings_of_way = 20;
 constexpr double slow_balance = 0.3;  ///< ratio of residuals from which on its tangent is made anew
 
 [[noreturn]] void fail(double time, const std::string& text) {
@@ -411,12 +411,21 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times, double b
   // Far ones in parts, so that turns are counted and loops stay on their branch.
   const auto go_in_parts = [&](double to, Eigen::Index instant) {
     for (int part = 0; part < most_parts_of_way; ++part) {
-      const double h = to - s.time;
-      const VectorXd x = h * s.v + 0.5 * h * h * s.a;
-      const double moved = system_.scales().of_coordinates(x.data());
-      if (!(moved > most_moved)) break;
-      const double next = s.time + h * std::max(most_moved / moved, 1e-3);
-      if (!(next > s.time && next < to)) break;
+      double h = to - s.time;
+      VectorXd x = h * s.v + 0.5 * h * h * s.a;
+      if (const double moved = system_.scales().of_coordinates(x.data()); moved > most_moved)
+        h *= std::max(most_moved / moved, 1e-3);
+      // From rest nothing is known of the way.
+      for (int halving = 0; halving < most_halvings_of_way && h > 0; ++halving, h /= 2) {
+        State there = s;
+        x = h * s.v + 0.5 * h * h * s.a;
+        system_.retract(s.q.data(), x.data(), there.q.data());
+        there.time += h;
+        if (remembers) system_.enter(s.u.data(), s.z.data(), h);
+        if (motion_.close(there) && motion_.change() <= most_moved) break;
+      }
+      const double next = s.time + h;
+      if (!(next > s.time && next < to * (1 - 1e-12))) break;
       go(next, -1);
     }
     go(to, instant);

@@ -42,7 +42,8 @@ class System {
   /// What evaluations take from now on as held inputs (State::u) and as the states of force elements at
   /// the start of a step of that length (State::z; 0: at rest). Both have to stay where they are.
   virtual void enter(const double* held, const double* states, double step) = 0;
-  /// Whether evaluations are of SignalValues::holds. False: nothing in the model heeds that.
+  /// From now on evaluations are with SignalValues::holds, or no longer. False: nothing in the model heeds
+  /// that.
   virtual bool hold_sticking(bool on) = 0;
   /// Equations of velocities alone (rolling) have no value by positions. Where an integrator makes velocities
   /// of an increment x by ∂v/∂x = 1/`time`, their value is Φ = time · Φ̇, whose derivative by x is the
@@ -91,7 +92,8 @@ class System {
   /// Whether the tangents of the forces at the last residual differ so much from those in the factorised
   /// matrix that it should not be used further: a contact closed or opened, a spring reached its stop.
   virtual bool tangent_changed(const double* q, const MatrixWeights& weights) const = 0;
-  /// Whether one of them has by as much become less than nine tenths of itself: something breaks away.
+  /// Whether an element's tangent has fallen by as much as tangent_changed() heeds, and to less than nine
+  /// tenths: something breaks away.
   virtual bool tangent_fell(const MatrixWeights& weights) const = 0;
   /// The tangents in the factorised matrix, which tangent_changed() compares with. The first iteration of a
   /// step may ask for those of the step before, so that they belong to what must be saved to go on.

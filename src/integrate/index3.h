@@ -18,8 +18,12 @@ class IndexThree final : public Stepper {
   StepStatus step(State& state) override;
   void begun(State& s) const override { motion_.begun(s); }
   void ended(State& s) const override { s.a = unprojected_; }
-  /// Near singular positions, which only constraints have, a step is repeated.
-  int most_attempts() const override { return options_.fixed_cost || system_.equations() == 0 ? 1 : 2; }
+  /// Near singular positions, which only constraints have, a step is repeated; along corrections that leap
+  /// across friction the residual is evaluated further.
+  int most_attempts() const override {
+    const int attempts = options_.fixed_cost || system_.equations() == 0 ? 1 : 2;
+    return searches_ ? searching_attempts * attempts : attempts;
+  }
   void set_step(double step) override;
   void transfer(StateTransfer& transfer) override { prediction_.transfer(transfer); }
   void transfer_matrix(StateTransfer& transfer) override;
@@ -32,6 +36,9 @@ class IndexThree final : public Stepper {
  private:
   /// Positions are accepted with violations of up to this multiple of their tolerance.
   static constexpr double accepted_positions = 10;
+  /// Evaluations of an attempt that searches along corrections, in IntegratorOptions::max_iterations, at
+  /// most.
+  static constexpr int searching_attempts = 5;
   /// An attempt at a step, handed from phase to phase.
   struct Attempt {
     bool precise = false;  ///< with a larger penalty and a smaller tolerance, near singular positions

@@ -2,16 +2,16 @@
 
 #include "integrate/index3.h"
 
-/// How far a step of index3 follows a correction. Across a force that bends sharply, friction whose bristles
-/// hardly give, Newton's corrections leap from sliding forth to sliding back and never meet the narrow range
-/// between, in which it sticks.
+/// How far a step of index3 follows a correction. Across friction in joints whose bristles hardly give,
+/// Newton's corrections leap from sliding forth to sliding back and never meet the narrow range between, in
+/// which it sticks.
 namespace mimbre {
 namespace {
 
 // A correction is shortened where at its end the residual along it has turned and is left with more than this
 // share of itself; evaluations of it at most, and corrections that return one of them to the constraints.
 constexpr double left_along = 0.5;
-constexpr int most_evaluations = 40, most_returns = 3;
+constexpr int most_evaluations = 30, most_returns = 3;
 
 }  // namespace
 
@@ -51,13 +51,16 @@ double IndexThree::along_correction(const State& s, Attempt& t, double share) {
 /// it is small, by regula falsi with halved ordinates (Dowell and Jarratt, BIT 11, 1971, the "Illinois"
 /// algorithm). Else nothing is moved.
 bool IndexThree::shorten_correction(const State& s, Attempt& t) {
+  const int most = (searching_attempts - 1) * options_.max_iterations;
+  if (t.status.iterations >= most) return false;
   line_ = r_;
   line_x_ = motion_.x;
   line_lambda_ = lambda_;
   const Attempt before = t;
-  double low = 0, high = 1, at_low = along_correction(s, t, low), at_high = along_correction(s, t, high);
+  // The start last, so that the evaluation is there again where nothing is moved.
+  double low = 0, high = 1, at_high = along_correction(s, t, high), at_low = along_correction(s, t, low);
   const double enough = left_along * std::abs(at_low);
-  const bool leaps = at_low < 0 && at_high > enough;
+  bool leaps = at_low < 0 && at_high > enough && std::isfinite(at_high);
   double at = at_high;
   for (int side = 0, k = 0; leaps && std::abs(at) > enough && k < most_evaluations; ++k) {
     const double share = (low * at_high - high * at_low) / (at_high - at_low);
@@ -67,6 +70,7 @@ bool IndexThree::shorten_correction(const State& s, Attempt& t) {
     const int now = at < 0 ? -1 : 1;
     if (now == side) (now < 0 ? at_high : at_low) *= 0.5;
     side = now;
+    leaps = std::isfinite(at);
   }
   const int evaluations = t.status.iterations;
   t = before;

@@ -430,10 +430,11 @@ StaticsStatus SparseSearch::newton() {
 }
 
 StaticsStatus SparseSearch::run() {
-  const VectorXd q = s_.q, multipliers = multipliers_;
+  const VectorXd q = s_.q, z = s_.z, multipliers = multipliers_;
   const StaticsStatus first = newton();
   if (first.converged) return first;
   s_.q = q;
+  s_.z = z;
   multipliers_ = multipliers;
   StaticsStatus status = search();
   status.iterations += first.iterations;
@@ -457,7 +458,7 @@ StaticsStatus SparseSearch::run_by_loads() {
   const VectorXd all_held = scaled_.forces(s_.q, multipliers_);
   double applied = 0, next = 0.1;
   while (applied < 1 && all.load_steps < 200) {
-    const VectorXd q = s_.q, multipliers = multipliers_;
+    const VectorXd q = s_.q, z = s_.z, multipliers = multipliers_;
     const double to = std::min(1.0, applied + next);
     held_ = (1 - to) * all_held;
     const StaticsStatus status = search();
@@ -468,6 +469,7 @@ StaticsStatus SparseSearch::run_by_loads() {
       next *= 2;
     } else {
       s_.q = q;
+      s_.z = z;
       multipliers_ = multipliers;
       next /= 4;
     }

@@ -23,9 +23,9 @@ struct StaticsStatus {
 /// M/τ² added, τ growing as the forces come to balance, so that neutral directions stay put and a mechanism
 /// that does not touch yet falls until it does. Near an equilibrium one tangent serves for several steps.
 /// Where that leads nowhere, once more from the start with τ that gets smaller where a step leads too far. On
-/// return velocities and accelerations are zero. Everything is measured by the mechanism's own scales
-/// (Scales): similar mechanisms take the same iterations.
-/// `most_steps`: in each of the two attempts.
+/// return velocities and accelerations are zero. The system is left with the state's u and z entered, at
+/// rest; z counts the turns on the way. Everything is measured by the mechanism's own scales (Scales):
+/// similar mechanisms take the same iterations. `most_steps`: in each of the two attempts.
 StaticsStatus find_equilibrium(System& system, State& state, int most_steps = 400);
 
 }  // namespace mimbre

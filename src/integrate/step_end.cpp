@@ -72,8 +72,10 @@ void IndexThree::end_positions(const State& s, Attempt& t) {
   // Not the penalty's force of the remaining violation, which is round-off times a large number.
   if (t.settled) lambda_ += force_;
   force_.setZero();
-  t.velocity_tolerance =
-      std::max(options_.velocity_tolerance * scales_.rate(motion_.v.data()), scales_.round_off / motion_.h);
+  t.velocity_tolerance = options_.velocity_tolerance * scales_.rate(motion_.v.data());
+  // Without gravity the rate is the mechanism's own, at rest that of round-off.
+  if (!(scales_.acceleration > 0))
+    t.velocity_tolerance = std::max(t.velocity_tolerance, scales_.round_off / usual_step_);
   unprojected_ = motion_.v;
   t.projected = false;
   if (!t.precise && !t.newton.slow && !diverged) project_expected_velocities(t);

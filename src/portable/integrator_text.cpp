@@ -833,7 +833,8 @@ static int @_integrate(@ *s) {
       @_from_increment(s);
       if (settled)
         for (k = 0; k < @_M; ++k) s->multipliers[k] += s->force[k];
-      velocity_tolerance = @_larger(@_VELOCITY_TOLERANCE*@_rate_of(s->v), @_ROUND_OFF/@_H);
+      velocity_tolerance = @_VELOCITY_TOLERANCE*@_rate_of(s->v);
+      if (!(@_ACCELERATION > 0.0)) velocity_tolerance = @_larger(velocity_tolerance, @_ROUND_OFF/@_H);
       memcpy(s->unprojected, s->v, sizeof s->v);
       projected = 0;
       if (!slow && !diverged && @_M > 0) {

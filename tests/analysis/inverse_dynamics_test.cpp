@@ -361,5 +361,35 @@ springs: {k: {between: [ground, nut], at: [[0, 0, -1], [0, 0, 0]], elastic: {sti
   for (const int steps : {4, 20, 100}) EXPECT_NEAR(force(steps), right, 1e-9) << steps;
 }
 
+/// The same from rest to rest, where nothing is known of the way at first: at its end the weight and the
+/// spring.
+TEST(InverseDynamics, InstantsMayBeFarApartFromRest) {
+  InverseDynamicsOptions o;
+  o.end = 1;
+  o.steps = 1;
+  const InverseDynamics r = inverse_dynamics(model_of(R"y(
+gravity: [0, 0, -9.81]
+bodies: {nut: {mass: 1, com: [0, 0, 0], inertia: [0.01, 0.01, 0.01]}}
+joints:
+  p:
+    type: cylindrical
+    between: [ground, nut]
+    at: [0, 0, 0]
+    axis: [0, 0, 1]
+    drive: {coordinate: 0, position: "100*(t^3*(10 - 15*t + 6*t^2))"
+}
+constraints : {
+s : {
+type:
+  screw, between : [ ground, nut ], at : [ 0, 0, 0 ], axis : [ 0, 0, 1 ], lead : 2 mm
+}
+}
+springs: {k: {between: [ground, nut], at: [[0, 0, -1], [0, 0, 0]], elastic: {stiffness: 1000, zero: 1}}}
+)y"),
+                                             nullptr, o);
+  const double lead = 0.002 / (2 * std::acos(-1.0));
+  EXPECT_NEAR(r.force(1, 0), (9.81 + 1000 * 100 * lead) * lead, 1e-9);
+}
+
 }  // namespace
 }  // namespace mimbre::test::inverse_dynamics_test

@@ -256,7 +256,7 @@ TEST_F(Resume, WhatDoesNotFitIsSaid) {
   std::string later = whole;
   later[19] = '9';
   write_file(folder / "state", later);
-  fails(on, 1, "has layout 'mimbre-run-state-009', this version of mimbre reads 'mimbre-run-state-003'");
+  fails(on, 1, "has layout 'mimbre-run-state-009', this version of mimbre reads 'mimbre-run-state-004'");
 }
 
 /// A table is what it holds, whatever its file is called.

@@ -215,6 +215,20 @@ actuators:
   EXPECT_TRUE(std::isnan(made.output(1000)));
 }
 
+/// A loop whose joints rub: some break away at the start, some hold, and in the end all do.
+TEST(GeneratedCode, SticksAndSlides) {
+  const auto model = model_of(four_bar_text({}) + R"yaml(
+frictions:
+  a: {joint: crank, torque: 0.2}
+  b: {joint: crank_pin, torque: 0.3, sticking: 1e-7}
+  c: {joint: rocker, torque: 0.2, static_ratio: 1.2}
+simulation: {step: 5 ms}
+)yaml");
+  const GeneratedCode code = generate_code(model, {}, "rubs");
+  Code made(code);
+  EXPECT_LE(difference(model, code, made), 1e-8);
+}
+
 /// A digital controller: what it sees, remembers and holds.
 TEST(GeneratedCode, EvaluatesSignalsAtInstants) {
   std::string text = four_bar_text({{"rocker", ", cut: always, spring: {stiffness: 4, damping: 0.2}"}});

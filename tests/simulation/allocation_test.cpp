@@ -122,6 +122,18 @@ TEST(AllocationByTablesOfLoops, None) {
   }
 }
 
+/// Bristles so short that corrections leap across where they stick, and a start at which some break away.
+TEST_P(Allocation, NoneWhereFrictionSticks) {
+  Simulation s(model_of(four_bar_text({}) + R"yaml(
+frictions:
+  a: {joint: crank, torque: 0.2, sticking: 1e-9}
+  b: {joint: crank_pin, torque: 0.3, sticking: 1e-8, static_ratio: 1.3}
+  c: {joint: rocker, torque: 0.2, sticking: 1e-9}
+)yaml"),
+               options());
+  EXPECT_EQ(allocations_of(s, 300), 0);
+}
+
 /// By transfer matrices: of trees, of loops, and of forces between bodies that are not neighbours.
 TEST(AllocationByTransferMatrices, None) {
   RunOptions options;

@@ -326,8 +326,10 @@ StepStatus GlobalModesStepper::step(State& s) {
   for (int iteration = 0; iteration < options_.max_iterations && !converged; ++iteration) {
     ++status.iterations;
     if (iteration > 0 && !expand(s, true, status)) return fail(StepCode::beyond_table);
+    const bool held = iteration == 0 && system_.hold_sticking(true);
     system_.residual(s.time + motion_.h, motion_.q.data(), motion_.v.data(), motion_.a.data(), none_.data(),
                      0, r_.data());
+    if (held) system_.hold_sticking(false);
     if (const int bad = find_not_finite(r_.data(), system_.velocities()); bad >= 0) {
       status.coordinate = bad;
       return fail(StepCode::not_finite);
@@ -338,7 +340,8 @@ StepStatus GlobalModesStepper::step(State& s) {
     kept_ = true;
     if (!correct(status)) return fail(StepCode::not_finite);
     const double left = newton.add(status.correction, fresh);
-    converged = left <= options_.tolerance * motion_.scale * system_.scales().accelerations(motion_.a.data());
+    converged = !held &&
+                left <= options_.tolerance * motion_.scale * system_.scales().accelerations(motion_.a.data());
   }
   if (!converged) return fail(StepCode::not_converged);
   if (!expand(s, true, status)) return fail(StepCode::beyond_table);

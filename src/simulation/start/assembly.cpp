@@ -74,6 +74,7 @@ StaticsStatus find_sparse(natural::NaturalSystem& natural, relative::RelativeSys
   }
   natural.to_relative(n, s);
   s.z = n.z;
+  natural.enter(s.u.data(), s.z.data(), 0);
   observer.begin_step(s.q.data());
   find_multipliers(observer, s, 1e-9);
   if (!status.converged && !of_natural) {
@@ -95,6 +96,7 @@ StaticsStatus find_dense(natural::NaturalSystem* natural, relative::RelativeSyst
   const StaticsStatus status = find_equilibrium(*natural, n, most_steps);
   natural->to_relative(n, s);
   s.z = n.z;
+  natural->enter(s.u.data(), s.z.data(), 0);
   observer.begin_step(s.q.data());
   find_multipliers(observer, s, 1e-9);
   return status;

@@ -18,7 +18,7 @@ namespace mimbre {
 namespace {
 
 /// Ends with the number of the layout.
-constexpr std::string_view run_state_mark = "mimbre-run-state-003";
+constexpr std::string_view run_state_mark = "mimbre-run-state-004";
 constexpr std::string_view run_state_kind = run_state_mark.substr(0, 17);
 
 void add_matrix(Hash64& hash, const double* x, Eigen::Index count) {

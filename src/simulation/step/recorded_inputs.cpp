@@ -75,7 +75,7 @@ double RecordedInputs::value(Track& track, double time) {
 /// When the step before this one began. A simulation that was put elsewhere had one of full length.
 double RecordedInputs::last_step(const Simulation& simulation) const {
   const double now = simulation.time(), since = now - last_;
-  return since >= 0 && since < 1.5 * simulation.step_size() ? last_ : now - simulation.step_size();
+  return since > 0 && since < 1.5 * simulation.step_size() ? last_ : now - simulation.step_size();
 }
 
 void RecordedInputs::set(Simulation& simulation) {

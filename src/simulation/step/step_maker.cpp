@@ -111,7 +111,7 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
   resting_energy_ = round_off_energy * std::max(lifting_energy_, mass * speed * speed);
   if (mechanism.system.hold_sticking(false))  // of what bends bristles that hold all in its place
     resting_energy_ = std::max(resting_energy_, energy_of_bristles * lifting_energy_);
-  if (method.substeps != 1 && has_contacts(m)) {  // of impacts that are not followed
+  if (begins_.size() > 1 && has_contacts(m)) {  // of impacts that are not followed
     const double quiet = quiet_speed(m, method.step);
     resting_energy_ = std::max(resting_energy_, 0.5 * mass * quiet * quiet);
   }
