@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "compile/find_scales.h"
-#include "forces/table.h"
+#include "forces/sticks.h"
 
 namespace mimbre {
 namespace {
@@ -27,9 +27,7 @@ bool measures_angle(const ElementData& e) {
 
 TangentMarks::TangentMarks(const Compiled& m)
     : ancf_(m.elements.size()),
-      sticks_(std::any_of(
-          m.elements.begin(), m.elements.end(),
-          [](const ElementData& e) { return forces::infos[static_cast<std::size_t>(e.law)]->sticks; })),
+      sticks_(mimbre::sticks(m)),
       values_(ancf_ + ancf::all_marks(m)),
       small_(ancf_ + m.bodies.size()) {
   const BodyResistances resistances(m);

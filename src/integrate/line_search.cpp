@@ -62,7 +62,8 @@ bool IndexThree::shorten_correction(const State& s, Attempt& t) {
   const double enough = left_along * std::abs(at_low);
   bool leaps = at_low < 0 && at_high > enough && std::isfinite(at_high);
   double at = at_high;
-  for (int side = 0, k = 0; leaps && std::abs(at) > enough && k < most_evaluations; ++k) {
+  for (int side = 0, k = 0;
+       leaps && std::abs(at) > enough && k < most_evaluations && t.status.iterations < most; ++k) {
     const double share = (low * at_high - high * at_low) / (at_high - at_low);
     at = along_correction(s, t, share);
     (at < 0 ? low : high) = share;

@@ -15,6 +15,7 @@
 #include "dynamics/relative/shift_impl.h"
 #include "dynamics/relative/workspace_impl.h"
 #include "dynamics/tangent_marks.h"
+#include "forces/sticks.h"
 #include "linalg/block_factor_impl.h"
 #include "outputs/frame_angles.h"
 #include "outputs/wheel_quantities.h"
@@ -408,8 +409,7 @@ class Recorder {
   }
 
   void record_forces() {
-    for (const ElementData& e : m_.elements)
-      out_->sticks = out_->sticks || forces::infos[static_cast<std::size_t>(e.law)]->sticks;
+    out_->sticks = sticks(m_);
     if (feedback_.empty()) feedback_.assign(m_.elements.size(), {T(0), T(0)});
     out_->rests = !m_.states.empty();
     for (const ElementData& e : m_.elements)

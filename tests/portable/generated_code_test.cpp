@@ -217,7 +217,7 @@ actuators:
 
 /// A loop whose joints rub: some break away at the start, some hold, and in the end all do.
 TEST(GeneratedCode, SticksAndSlides) {
-  const auto model = model_of(four_bar_text({}) + R"yaml(
+  const auto model = model_of(four_bar_text({{"crank", ", velocity: 4"}}) + R"yaml(
 frictions:
   a: {joint: crank, torque: 0.2}
   b: {joint: crank_pin, torque: 0.3, sticking: 1e-7}

@@ -124,7 +124,7 @@ TEST(AllocationByTablesOfLoops, None) {
 
 /// Bristles so short that corrections leap across where they stick, and a start at which some break away.
 TEST_P(Allocation, NoneWhereFrictionSticks) {
-  Simulation s(model_of(four_bar_text({}) + R"yaml(
+  Simulation s(model_of(four_bar_text({{"crank", ", velocity: 4"}}) + R"yaml(
 frictions:
   a: {joint: crank, torque: 0.2, sticking: 1e-9}
   b: {joint: crank_pin, torque: 0.3, sticking: 1e-8, static_ratio: 1.3}

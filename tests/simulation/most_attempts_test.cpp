@@ -58,6 +58,33 @@ TEST(MostAttempts, BoundTheIterationsOfEveryStep) {
     }
 }
 
+/// Corrections that leap across bristles of a nanometre are searched along, within a bound too.
+TEST(MostAttempts, BoundTheIterationsWhereFrictionSticks) {
+  const auto model = model_of(four_bar_text({{"crank", ", velocity: 4"}}) + R"(
+frictions:
+  a: {joint: crank, torque: 0.2, sticking: 1e-10, static_ratio: 1.5}
+  b: {joint: crank_pin, torque: 0.3, sticking: 1e-9, static_ratio: 1.3}
+  c: {joint: rocker, torque: 0.2, sticking: 1e-10}
+)");
+  for (const int iterations : {10, 12, 30})
+    for (const int substeps : {1, 4}) {
+      RunOptions options;
+      options.step = 0.01;
+      options.substeps = substeps;
+      options.max_iterations = iterations;
+      Simulation s(model, options);
+      int most = 0;
+      for (int k = 0; k < 300; ++k) {
+        const StepReport report = s.step();
+        most = std::max(most, report.iterations);
+        if (!report.ok()) break;
+        // Of one attempt that nothing divides; with loops it is made twice at most.
+        ASSERT_LE(report.iterations, s.most_attempts() * iterations) << substeps;
+      }
+      EXPECT_GT(most, 8);
+    }
+}
+
 /// Overflowed from 36 on.
 TEST(MostAttempts, GrowWithThePartsOnly) {
   const auto model = rain(1);

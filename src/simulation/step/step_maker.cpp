@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "dynamics/geometric.h"
+#include "forces/sticks.h"
 #include "integrate/global_modes/loops.h"
 #include "math/elementary.h"
 #include "mimbre/diagnostics.h"
@@ -60,10 +61,8 @@ bool has_contacts(const Compiled& m) { return m.first_of_contact.back() != m.fir
 int levels(const Compiled& model, const Method& method) {
   if (method.accuracy > 0) return 2;  // the step's begin, and the part's
   if (method.substeps == 1) return 0;
-  const bool sticks = std::any_of(model.elements.begin(), model.elements.end(),
-                                  [](const ElementData& e) { return law_info(e.law).sticks; });
   if (!has_contacts(model))
-    return sticks || method.integrator == IntegratorOptions::Rule::radau ? levels_of_convergence : 1;
+    return sticks(model) || method.integrator == IntegratorOptions::Rule::radau ? levels_of_convergence : 1;
   int levels = 1;
   for (int parts = method.substeps; parts <= most_parts / method.substeps; parts *= method.substeps) ++levels;
   return levels;
@@ -109,7 +108,7 @@ StepMaker::StepMaker(Mechanism& mechanism, const Method& method)
   const double extent = m.length_scale, speed = extent / (slow_steps * method.step);
   lifting_energy_ = mass * m.gravity.norm() * extent;
   resting_energy_ = round_off_energy * std::max(lifting_energy_, mass * speed * speed);
-  if (mechanism.system.hold_sticking(false))  // of what bends bristles that hold all in its place
+  if (sticks(m))  // of what bends bristles that hold all in its place
     resting_energy_ = std::max(resting_energy_, energy_of_bristles * lifting_energy_);
   if (begins_.size() > 1 && has_contacts(m)) {  // of impacts that are not followed
     const double quiet = quiet_speed(m, method.step);
