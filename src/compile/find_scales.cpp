@@ -37,15 +37,21 @@ double second_moment_about_centre(const BodyData& b) {
   return about_centre > round_off * about_origin ? about_centre : 0;
 }
 
-/// Frames at which something holds or pushes a body by where it is: not those of loads, sensors and joints
-/// that leave everything free, which may be anywhere.
+/// Rigid bodies that are one: they hold each other all over, wherever that is said to be.
+bool is_part_of_parent(const Compiled& m, const BodyData& b) {
+  return b.joint == spec::JointType::fixed && b.modes == 0 && (b.parent < 0 || m.bodies[b.parent].modes == 0);
+}
+
+/// Frames at which something holds or pushes a body by where it is: not those of loads, sensors, joints that
+/// leave everything free or nothing, which may be anywhere.
 std::vector<char> holding_frames(const Compiled& m) {
   std::vector<char> holds(m.frames.size(), 0);
   const auto mark = [&](int frame) {
     if (frame >= 0) holds[static_cast<std::size_t>(frame)] = 1;
   };
   for (const BodyData& b : m.bodies)
-    if (joint_info(b.joint).equations > 0) mark(b.inboard_frame), mark(b.outboard_frame);
+    if (joint_info(b.joint).equations > 0 && !is_part_of_parent(m, b))
+      mark(b.inboard_frame), mark(b.outboard_frame);
   for (const LoopData& l : m.loops) mark(l.frame_a), mark(l.frame_b);
   for (const ConstraintData& c : m.constraints)
     for (const ConstraintTerm& t : c.terms)
@@ -89,7 +95,7 @@ double size_of(const Compiled& m, const BodyData& b, const std::vector<char>& ho
     size = std::max(size, radius > 0 ? std::min(distance, longest_lever * radius) : distance);
   };
   for (int f = b.first_frame; f < b.last_frame; ++f) look(f);
-  look(b.outboard_frame);
+  if (!is_part_of_parent(m, b)) look(b.outboard_frame);
   return size > at_centre * radius ? size : radius;
 }
 

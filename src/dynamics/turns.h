@@ -19,4 +19,13 @@ inline void keep_turns(const Compiled& m, const double* elements, const double* 
     std::copy_n(constraints + c.next_states, c.state_count, states + c.states);
 }
 
+/// Of screws and of couplings of cut joints.
+inline bool counts_turns(const ConstraintData& c) { return c.state_count > 0 && c.curve.pieces.empty(); }
+
+/// The same of what the last kinematics found of constraints that count turns.
+inline void keep_counted_turns(const Compiled& m, const double* constraints, double* states) {
+  for (const ConstraintData& c : m.constraints)
+    if (counts_turns(c)) std::copy_n(constraints + c.next_states, c.state_count, states + c.states);
+}
+
 }  // namespace mimbre

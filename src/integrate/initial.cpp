@@ -165,13 +165,14 @@ MatrixXd dense_jacobian(System& system, double t, const VectorXd& q) {
 }
 
 double close_positions(System& system, double t, const VectorXd& weight, VectorXd& q, double caution,
-                       double negligible) {
+                       double negligible, const std::function<void()>& arrived) {
   const int n = system.velocities(), m = system.equations();
   if (m == 0) return 0;
   const VectorXd zero = VectorXd::Zero(n);
   double violation = 0;
   for (int iteration = 0; iteration < 60; ++iteration) {
     system.kinematics(t, q.data(), zero.data(), zero.data());
+    if (arrived) arrived();
     const VectorXd phi = copy(system.phi(), m);
     violation = system.scales().of_equations(phi.data());
     if (!(violation > exactly_closed)) break;

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "integrate/stepper.h"
@@ -15,9 +16,10 @@ Eigen::MatrixXd dense_jacobian(System& system, double t, const Eigen::VectorXd& 
 /// redundant on the constraints seem to be independent off them, by a little, and what they ask for there may
 /// move the mechanism far; `caution` > 0 (30 for gaps that are small) keeps it near. Where no coordinate that
 /// moves by its weight moves any equation, by its scale, by more than `negligible` they hold nothing.
-/// Positions are free along equations of velocities alone.
+/// Positions are free along equations of velocities alone. `arrived` is called at every position on the way.
 double close_positions(System& system, double t, const Eigen::VectorXd& weight, Eigen::VectorXd& q,
-                       double caution = 0, double negligible = 1e-13);
+                       double caution = 0, double negligible = 1e-13,
+                       const std::function<void()>& arrived = {});
 
 /// The same for velocities: Φz v = −Φt. Returns max |Φ̇| by the scales of the equations, 1/s.
 double close_velocities(System& system, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& weight,

@@ -323,6 +323,55 @@ TEST_P(Couplings, RememberTurnsInTheState) {
   EXPECT_EQ(channel(s, "constraint.first.force.one"), channel(other, "constraint.first.force.one"));
 }
 
+/// Turns that initial values give count: by the nut's joint, by two joints in a row, or by how far it has
+/// come.
+TEST_P(Couplings, AScrewStartsAsManyTurnsOnAsItIsGiven) {
+  const auto start = [&](const std::string& joints, const std::string& nut) {
+    Simulation s(model_of(fmt::format(R"(
+gravity: [0, 0, 0]
+bodies:
+  ring: {{mass: 1, com: [0, 0, 0], inertia: [0.01, 0.01, 0.01]}}
+  nut: {{mass: 1, com: [0, 0, 0], inertia: [0.01, 0.01, 0.01]}}
+joints:
+  {}
+constraints:
+  thread: {{type: screw, between: [ground, nut], at: [0, 0, 0], axis: [0, 0, 1], lead: 0.5}}
+outputs:
+  - {{name: z, position: nut, component: z}}
+  - {{name: turn, joint: {}, component: 0}}
+)",
+                                      joints, nut)),
+                 options());
+    EXPECT_TRUE(s.warnings().empty() || s.warnings().front().find("turns") != std::string::npos)
+        << s.warnings().front();
+    return std::pair(channel(s, "z"), channel(s, "turn"));
+  };
+  const auto one = [&](const std::string& given) {
+    return start(
+        "ring: {type: fixed, between: [ground, ring], at: [0, 0, 0]}\n"
+        "  nut: {type: cylindrical, between: [ground, nut], at: [0, 0, 0], axis: [0, 0, 1], " +
+            given + "}",
+        "nut");
+  };
+  for (const double turn : {1.0, 4.0, -4.0, 20.0}) {
+    const auto [z, at] = one(fmt::format("position: [{}, null]", turn));
+    EXPECT_NEAR(z, 0.5 * turn / (2 * pi), 1e-12) << turn;
+    EXPECT_NEAR(at, turn, 1e-12);
+  }
+  for (const double z : {0.2, 1.6, -3.3}) {
+    const auto [at, turn] = one(fmt::format("position: [null, {}]", z));
+    EXPECT_NEAR(at, z, 1e-12);
+    EXPECT_NEAR(turn, 4 * pi * z, 1e-9);
+  }
+  EXPECT_NEAR(one("position: [4, 0.31830988618379067]").first, 1 / pi, 1e-12);
+  const auto [z, at] = start(
+      "ring: {type: revolute, between: [ground, ring], at: [0, 0, 0], axis: [0, 0, 1], position: 2}\n"
+      "  nut: {type: cylindrical, between: [ring, nut], at: [0, 0, 0], axis: [0, 0, 1], position: [3, null]}",
+      "nut");
+  EXPECT_NEAR(z, 0.5 * 5 / (2 * pi), 1e-12);
+  EXPECT_NEAR(at, 3, 1e-12);
+}
+
 /// The builder says the same as a file.
 TEST_P(Couplings, AreBuiltInCode) {
   ModelBuilder m("train");

@@ -139,6 +139,27 @@ contacts: {c: {spheres: {on: ball, at: [0, 0, -1], radius: 0.02}, surfaces: [flo
               std::sqrt(1.5e-4), 1e-9);
 }
 
+/// Where rigid bodies are said to be one does not count: 'k' is a part of the ground, and 'tip' of the ball.
+TEST(Scales, TheFixedJointOfARigidBodyMayBeAnywhere) {
+  const auto text = [](double place) {
+    return fmt::format(R"(
+bodies:
+  ball: {{mass: 1, com: [0, 0, -1], inertia: [1e-4, 1e-4, 1e-4]}}
+  k: {{mass: 1, com: [2, 0, 0], inertia: [1e-2, 1e-2, 1e-2]}}
+  tip: {{mass: 1, com: [0, 0, -1.1], inertia: [1e-2, 1e-2, 1e-2]}}
+joints:
+  j: {{type: revolute, between: [ground, ball], at: [0, 0, 0], axis: [0, 1, 0]}}
+  f: {{type: fixed, between: [k, ground], at: [{0}, 0, 0]}}
+  g: {{type: fixed, between: [ball, tip], at: [0, {0}, -1]}}
+)",
+                       place);
+  };
+  const double at_home = length_of(text(0));
+  EXPECT_GT(at_home, 0.1);
+  EXPECT_LT(at_home, 1);
+  EXPECT_NEAR(length_of(text(1000)), at_home, 1e-12);
+}
+
 std::string numbers(const Eigen::Vector3d& v) {
   return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v[0], v[1], v[2]);
 }

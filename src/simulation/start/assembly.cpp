@@ -13,6 +13,7 @@
 #include "dynamics/modal_scale.h"
 #include "dynamics/natural/column_groups.h"
 #include "dynamics/relative/forces.h"
+#include "dynamics/turns.h"
 #include "forces/measure_wheel.h"
 #include "integrate/initial.h"
 #include "integrate/sparse_statics.h"
@@ -33,6 +34,7 @@ constexpr int most_rounds = 30;
 /// Coordinates up to which dense matrices are tried first, and up to which these are fast.
 constexpr int most_dense_unknowns = 150, few_unknowns = 60;
 constexpr int many_steps = 400, few_steps = 60;
+constexpr double most_wound = 1e5;  ///< rad, from the drawn position to the given one
 /// How readily the softest mode moves against joints, and the stiffest ones at least against that.
 constexpr double readiest_mode = 1e-2, stiffest_mode = 1e-4;
 
@@ -240,6 +242,39 @@ void set_given(const Compiled& m, SignalValues<double>& signals, State& s, Eigen
   }
 }
 
+/// Winds up what counts turns on the way from the drawn position to the given one, all joints together.
+void wind_up(const Compiled& m, relative::RelativeSystem& system, State& s) {
+  if (std::none_of(m.constraints.begin(), m.constraints.end(), counts_turns)) return;
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(m.velocities);
+  Eigen::VectorXd drawn = Eigen::VectorXd::Zero(m.positions), way = rest, q = drawn;
+  for (const BodyData& b : m.bodies) {
+    const JointInfo& info = joint_info(b.joint);
+    const int values = info.quaternion < 0 ? b.joint_velocities : info.rotation;
+    way.segment(b.v, values) = s.q.segment(b.q, values);
+    if (info.quaternion < 0) continue;
+    drawn[b.q + info.quaternion] = 1;
+    way.segment<3>(b.v + info.rotation) = quaternion_log<double>(s.q.segment<4>(b.q + info.quaternion));
+  }
+  double most = 0;  // rad, that one of them may be turned by
+  for (const ConstraintData& c : m.constraints) {
+    double turn = 0;
+    if (counts_turns(c))
+      for (const PathEntry& e : c.path.entries) {
+        const BodyData& b = m.bodies[e.body];
+        for (int k = 0; k < b.joint_velocities; ++k)
+          if (is_angle(b.joint, k)) turn += std::abs(way[b.v + k]);
+      }
+    most = std::max(most, turn);
+  }
+  const int parts = static_cast<int>(std::ceil(std::min(most, most_wound)));
+  for (int k = 1; k <= parts; ++k) {
+    const Eigen::VectorXd x = (static_cast<double>(k) / parts) * way;
+    system.retract(drawn.data(), x.data(), q.data());
+    system.kinematics(0, q.data(), rest.data(), rest.data());
+    keep_counted_turns(m, system.workspace().constraint_states.data(), s.z.data());
+  }
+}
+
 }  // namespace
 
 State given_state(const Compiled& m, relative::RelativeSystem& system,
@@ -312,10 +347,16 @@ State assembled_state(const Compiled& m, relative::RelativeSystem& system,
       weight.segment(first, count) = all.segment(first, count);
     }
   };
-  double gap = close_positions(system, 0, position_weight, s.q);
+  wind_up(m, system, s);
+  const auto close = [&] {
+    return close_positions(system, 0, position_weight, s.q, 0, 1e-13, [&] {
+      keep_counted_turns(m, system.workspace().constraint_states.data(), s.z.data());
+    });
+  };
+  double gap = close();
   if (gap > close_enough) {
     let_bend(position_weight);
-    gap = close_positions(system, 0, position_weight, s.q);
+    gap = close();
   }
   if (!(gap <= close_enough)) throw where(system.phi(), closing, "m", "rad");
   gap = close_velocities(system, 0, s.q, velocity_weight, s.v);

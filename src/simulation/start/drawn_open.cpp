@@ -43,6 +43,8 @@ std::string drawn_open(relative::RelativeSystem& system, const State& s) {
     for (int k = 0; k < m.dynamic_frames; ++k) out.push_back(frames[k].position);
     return out;
   };
+  const std::vector<double> unturned(m.states.begin(), m.states.end());
+  system.enter(s.u.data(), unturned.data(), 0);
   evaluate(q);
   const std::vector<Vec3d> before = positions_of_frames();
   Vec3d low = before.front(), high = low;
@@ -66,6 +68,7 @@ std::string drawn_open(relative::RelativeSystem& system, const State& s) {
   // Couplings take joints from where they are drawn to where their initial values are.
   for (const ConstraintData& c : m.constraints)
     if (!c.of_coordinates) look(c, [&](int r) { return c.is_length(r); });
+  system.enter(s.u.data(), s.z.data(), 0);
   if (places.empty()) return {};
   evaluate(s.q);
   const std::vector<Vec3d> after = positions_of_frames();
