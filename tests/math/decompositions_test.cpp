@@ -66,6 +66,28 @@ TEST(Decompositions, SmallMatricesHaveTheSameEigenvalues) {
   EXPECT_LT(relative_difference(eigenvalues6(six), symmetric_eigenvalues(six)), 1e-13);
 }
 
+TEST(Decompositions, SmallMatricesMayBeOfAnySignsAndEqualEigenvalues) {
+  const auto check = [](const VectorXd& expected, double scale) {
+    for (const MatrixXd& like : {definite(6), MatrixXd(MatrixXd::Identity(6, 6))}) {
+      const MatrixXd axes = symmetric_eigen(like).vectors;
+      const Eigen::Matrix<double, 6, 6> A = scale * (axes * expected.asDiagonal() * axes.transpose());
+      const VectorXd found = eigenvalues6(A);
+      EXPECT_LT((found - scale * expected).cwiseAbs().maxCoeff(),
+                1e-14 * scale * (1 + expected.cwiseAbs().maxCoeff()))
+          << found.transpose();
+    }
+  };
+  for (const double scale : {1e-150, 1.0, 1e150}) {
+    check((VectorXd(6) << -3, -2, 0, 0, 1e-9, 5).finished(), scale);
+    check((VectorXd(6) << 2, 2, 2, 2, 2, 7).finished(), scale);
+    check((VectorXd(6) << -1, -1, -1, 1, 1, 1).finished(), scale);
+    check(VectorXd::Zero(6), scale);
+  }
+  Eigen::Matrix3d bad = Eigen::Matrix3d::Identity();
+  bad(1, 0) = NAN;
+  EXPECT_FALSE(eigenvalues3(bad).allFinite());
+}
+
 TEST(Decompositions, NothingHasNoEigenvalues) {
   EXPECT_EQ(symmetric_eigen(MatrixXd(0, 0)).values.size(), 0);
   EXPECT_EQ(symmetric_eigen(MatrixXd(0, 0), MatrixXd(0, 0)).values.size(), 0);

@@ -3,7 +3,9 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mimbre {
 
@@ -37,6 +39,55 @@ Eigen::ColPivHouseholderQR<MatrixXd> pivoted_qr(const MatrixXd& A, double thresh
   return qr;
 }
 
+/// Beyond this many sweeps of the matrix nothing converges any more.
+constexpr int most_sweeps = 50;
+constexpr double round_off = std::numeric_limits<double>::epsilon() / 4;  ///< of a row's absolute sum
+
+/// Turns rows and columns p and q of the symmetric n × n matrix a so that a_pq becomes 0 (Golub and Van Loan
+/// 2013, algorithm 8.5.1). False where it is no larger than `least`.
+bool turn_away(double* a, int n, int p, int q, double least) {
+  const double apq = a[p * n + q], app = a[p * n + p], aqq = a[q * n + q];
+  if (std::abs(apq) <= least) return false;
+  const double half = (aqq - app) / (2 * apq);
+  const double t = (half < 0 ? -1 : 1) / (std::abs(half) + std::sqrt(1 + half * half));
+  const double c = 1 / std::sqrt(1 + t * t), s = t * c;
+  for (int k = 0; k < n; ++k) {
+    const double x = a[k * n + p], y = a[k * n + q];
+    a[k * n + p] = c * x - s * y;
+    a[k * n + q] = s * x + c * y;
+  }
+  for (int k = 0; k < n; ++k) {
+    const double x = a[p * n + k], y = a[q * n + k];
+    a[p * n + k] = c * x - s * y;
+    a[q * n + k] = s * x + c * y;
+  }
+  a[p * n + q] = a[q * n + p] = 0;
+  return true;
+}
+
+/// By Jacobi's cyclic method, ascending: Eigen's solver of fixed size took half of this file's time to
+/// compile.
+template <int n>
+Eigen::Matrix<double, n, 1> small_eigenvalues(const Eigen::Matrix<double, n, n>& A) {
+  double a[n * n], values[n];
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < n; ++k) a[i * n + k] = i < k ? A(k, i) : A(i, k);
+  double size = 0;
+  for (const double x : a) size += std::abs(x);
+  if (!std::isfinite(size))
+    return Eigen::Matrix<double, n, 1>::Constant(std::numeric_limits<double>::quiet_NaN());
+  bool turns = true;
+  for (int sweep = 0; turns && sweep < most_sweeps; ++sweep) {
+    turns = false;
+    for (int p = 0; p < n; ++p)
+      for (int q = p + 1; q < n; ++q)
+        if (turn_away(a, n, p, q, round_off / n * size)) turns = true;
+  }
+  for (int k = 0; k < n; ++k) values[k] = a[k * n + k];
+  std::sort(values, values + n);
+  return Eigen::Map<const Eigen::Matrix<double, n, 1>>(values);
+}
+
 }  // namespace
 
 EigenPairs symmetric_eigen(const MatrixXd& A) {
@@ -67,16 +118,10 @@ Eigen::VectorXcd eigenvalues(const MatrixXd& A) {
   return solver.eigenvalues();
 }
 
-Eigen::Vector3d eigenvalues3(const Eigen::Matrix3d& A) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(A, Eigen::EigenvaluesOnly).eigenvalues();
-}
-
-Eigen::Vector4d eigenvalues4(const Eigen::Matrix4d& A) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(A, Eigen::EigenvaluesOnly).eigenvalues();
-}
-
+Eigen::Vector3d eigenvalues3(const Eigen::Matrix3d& A) { return small_eigenvalues(A); }
+Eigen::Vector4d eigenvalues4(const Eigen::Matrix4d& A) { return small_eigenvalues(A); }
 Eigen::Matrix<double, 6, 1> eigenvalues6(const Eigen::Matrix<double, 6, 6>& A) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(A, Eigen::EigenvaluesOnly).eigenvalues();
+  return small_eigenvalues(A);
 }
 
 Cholesky::Cholesky(const MatrixXd& A) : factor_(A), ok_(factor_.info() == Eigen::Success) {}
