@@ -10,7 +10,9 @@ namespace mimbre {
 
 constexpr double redundant = 1e-7;  // pivot, as a share of the equation's largest coefficient
 constexpr double open = 1e-3;       // the same for equations that were redundant at first
-constexpr double weak = 0.1;        // pivot, as a share of what it was where the choice was made
+/// Of the largest of all coefficients by their weights, and of 1: an equation has no less, or is round-off.
+constexpr double empty = 1e-6;
+constexpr double weak = 0.1;  // pivot, as a share of what it was where the choice was made
 
 Partition::Partition(int coordinates, int equations)
     : n_(coordinates),
@@ -32,6 +34,7 @@ bool Partition::choose(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& r
   for (int c = 0; c < n_; ++c)
     for (int r = 0; r < m_; ++r) lu_(r, c) = row_weight[r] * jacobian(r, c) * column_weight[c];
   for (int r = 0; r < m_; ++r) largest_[r] = n_ > 0 ? lu_.row(r).cwiseAbs().maxCoeff() : 0;
+  if (m_ > 0) largest_ = largest_.cwiseMax(empty * std::max(1.0, largest_.maxCoeff())).eval();
   const int wanted = rank_;
   rank_ = 0;
   bool sound = true;

@@ -14,11 +14,13 @@ class Partition {
   Partition(int coordinates, int equations);
 
   /// Chooses equations and dependent coordinates by Gaussian elimination with complete pivoting of the
-  /// Jacobian (equations × coordinates), its rows and columns multiplied by the weights: coordinates of large
-  /// weight become dependent. The first choice takes all pivots above 1e-7 of their equation; later ones take
-  /// as many, so that equations that are redundant where the loops are closed stay so while they are a little
-  /// open. False when that many do not exist, or more that are not small: the first choice was made, or this
-  /// one is, at a singular position. weakest() then returns where.
+  /// Jacobian (equations × coordinates), its rows and columns multiplied by the weights, by which
+  /// coefficients are of the order of 1: coordinates of large weight become dependent. The first choice takes
+  /// all pivots above 1e-7 of their equation, or of 1e-6 where that has only smaller coefficients, the
+  /// round-off of one that holds nothing; later ones take as many, so that equations that are redundant where
+  /// the loops are closed stay so while they are a little open. False when that many do not exist, or more
+  /// that are not small: the first choice was made, or this one is, at a singular position. weakest() then
+  /// returns where.
   bool choose(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& row_weight,
               const Eigen::VectorXd& column_weight);
   /// Factorises the Jacobian of another position with the same choice. False when a pivot has lost its sign

@@ -19,6 +19,7 @@
 #include "portable/texts.h"
 #include "portable/write_tables.h"
 #include "signals/blocks/delay.h"
+#include "signals/once/sampled_chains.h"
 #include "signals/values.h"
 #include "simulation/start/start.h"
 #include "simulation/step/event_step.h"
@@ -476,19 +477,23 @@ class Generator {
     if (d.sampled.empty()) return;
     std::string& s = out_.source;
     s += named(
-        "typedef struct {\n  int held, values, block, memory, delay;\n  double every;\n} @_sampled;\nstatic "
+        "typedef struct {\n  int held, values, block, memory, delay, chained;\n  double every;\n} "
+        "@_sampled;\nstatic "
         "const "
         "@_sampled @_all_sampled[] = {\n",
         name_);
-    for (const SignalsData::Sampled& of : d.sampled) {
+    const std::vector<char> chained = takes_sampled(d);
+    for (std::size_t k = 0; k < d.sampled.size(); ++k) {
+      const SignalsData::Sampled& of = d.sampled[k];
       const SignalsData::Block* b = of.block < 0 ? nullptr : &d.blocks[static_cast<std::size_t>(of.block)];
       const auto delay = std::find(recorded_->delays.begin(), recorded_->delays.end(), of.block);
       const bool delays = b && delay != recorded_->delays.end();
-      s += fmt::format("  {{{}, {}, {}, {}, {}, {}}},\n", of.held, of.values, b ? b->held : -1,
+      s += fmt::format("  {{{}, {}, {}, {}, {}, {}, {}}},\n", of.held, of.values, b ? b->held : -1,
                        delays ? 1 + b->inputs
                        : b    ? b->memory()
                               : 0,
-                       delays ? delay - recorded_->delays.begin() : -1, literal(of.every));
+                       delays ? delay - recorded_->delays.begin() : -1, static_cast<int>(chained[k]),
+                       literal(of.every));
     }
     s += named("};\nstatic void @_evaluate_sampled(@ *s, int k, int begun) {\n  switch (k) {\n", name_);
     for (std::size_t k = 0; k < d.sampled.size(); ++k) {

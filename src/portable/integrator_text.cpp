@@ -929,9 +929,10 @@ static void @_look(@ *s) {
 }
 
 #if @_SAMPLED > 0
-/* What is evaluated at instants and due now. */
+/* What is evaluated at instants and due now: what takes another of them takes its new value. */
 static void @_sample(@ *s) {
-  int k, i, looked = 0;
+  const int instant = @_rest_instant(s);
+  int k, i, looked = 0, stale = 0;
   for (k = 0; k < @_SAMPLED; ++k) {
     const @_sampled *const t = @_all_sampled + k;
     double *const at = s->state.u + t->held, *const due = at + t->values, *const made = due + 1;
@@ -941,10 +942,16 @@ static void @_sample(@ *s) {
       @_residual_rest(s);
       looked = 1;
     }
+    if (stale && t->chained) {
+      @_signals(s, instant, s->state.time);
+      @_sense(s, instant);
+      stale = 0;
+    }
     @_evaluate_sampled(s, k, t->block >= 0 && s->state.u[t->block] > 0.5);
     for (i = 0; i < t->values; ++i) {
       if (s->sampled[i] == at[i]) continue;
       at[i] = s->sampled[i];
+      stale = 1;
 #if @_BLOCKS
       s->state.u[@_CLOCK + 1] = 1.0;
 #endif

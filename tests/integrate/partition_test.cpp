@@ -41,6 +41,19 @@ TEST(Partition, SolvesEquationsWithRedundantOnes) {
   }
 }
 
+/// An equation that holds nothing is round-off of what its coefficients are the differences of, one beside
+/// others as well as alone.
+TEST(Partition, RoundOffIsNoEquation) {
+  MatrixXd J(3, 2);
+  J << 1, 2, 3e-17, -1e-17, 0.5, 1e-17;
+  for (const int rank : {2, 0}) {
+    const MatrixXd jacobian = rank > 0 ? J : MatrixXd(1e-17 * J);
+    Partition partition(2, 3);
+    ASSERT_TRUE(partition.choose(jacobian, VectorXd::Ones(3), VectorXd::Ones(2)));
+    EXPECT_EQ(partition.rank(), rank);
+  }
+}
+
 TEST(Partition, CoordinatesOfLargeWeightBecomeDependent) {
   const MatrixXd J = MatrixXd::Ones(1, 3);
   Partition partition(3, 1);

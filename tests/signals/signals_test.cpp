@@ -97,6 +97,53 @@ actuators:
   EXPECT_NEAR(channel(simulation, "signal.torque"), torque, 2e-4 * 200);
 }
 
+/// What takes others that are evaluated at the same instants takes their new values, by way of continuous
+/// ones and whatever the order in the file; in a circle one of them is an instant late.
+TEST_P(Signals, AChainOfSampledOnesHasNoDelay) {
+  Simulation simulation = simulation_of(arm(R"y(
+signals:
+  total: {value: "second + between", every: 0.02}
+  second: {value: first, every: 0.02}
+  between: {value: "3*second"}
+  first: {value: "t + 1", every: 0.02}
+  slower: {value: total, every: 0.04}
+  there: {value: "back + 1", every: 0.02}
+  back: {value: there, every: 0.02}
+)y",
+                                            0.01),
+                                        GetParam());
+  for (int k = 0; k < 20; ++k) {
+    ASSERT_TRUE(simulation.step().ok());
+    const int instant = k / 2;
+    const double first = 0.02 * instant + 1;
+    EXPECT_NEAR(channel(simulation, "signal.first"), first, 1e-9);
+    EXPECT_NEAR(channel(simulation, "signal.second"), first, 1e-9);
+    EXPECT_NEAR(channel(simulation, "signal.total"), 4 * first, 1e-9);
+    EXPECT_NEAR(channel(simulation, "signal.slower"), 4 * (0.04 * (k / 4) + 1), 1e-9);
+    EXPECT_EQ(channel(simulation, "signal.there"), instant + 1);
+    EXPECT_EQ(channel(simulation, "signal.back"), instant);
+  }
+}
+
+/// The first value of what takes a sampled signal is made of that signal's first value, not of none.
+TEST_P(Signals, SampledBlocksStartFromTheFirstSample) {
+  Simulation simulation = simulation_of(arm(R"y(
+signals:
+  measured: {value: "angle + 0.5", every: 0.01}
+  rate_of_change: {pid: measured, setpoint: 0.5, kp: 0, ki: 0, kd: 1, filter: 0.01, every: 0.01}
+  limited: {rate_limit: measured, rising: 1, every: 0.01}
+  late: {delay: measured, time: 0.03, every: 0.01}
+)y",
+                                            0.01),
+                                        GetParam());
+  for (int k = 0; k < 8; ++k) {
+    ASSERT_TRUE(simulation.step().ok());
+    EXPECT_NEAR(channel(simulation, "signal.rate_of_change"), 0, 1e-12) << k;
+    EXPECT_NEAR(channel(simulation, "signal.limited"), 0.5, 1e-12) << k;
+    EXPECT_NEAR(channel(simulation, "signal.late"), 0.5, 1e-12) << k;
+  }
+}
+
 TEST_P(Signals, InputsActFromTheStepAfterTheyAreSet) {
   Simulation simulation = simulation_of(arm(R"y(
 inputs: {push: {start: 0, range: [-10, 10]}, ramp: {hold: linear}}

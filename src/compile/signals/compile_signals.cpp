@@ -55,6 +55,7 @@ class Planner {
     for (const Pending& made : pending_) (*made.list)[made.at].law = within_a_step(*made.law);
     for (std::size_t k = 0; k < d_.sampled.size(); ++k)
       for (const spec::Law* law : sampled_laws_[k]) d_.sampled[k].inputs.push_back(seen_of(c_, *law));
+    put_sampled_in_order();
     for (std::size_t k = 0; k < s_.blocks.size(); ++k)
       for (const spec::Law& input : s_.blocks[k].inputs)
         if (!(s_.blocks[k].every > 0)) d_.blocks[k].laws.push_back(within_a_step(input));
@@ -84,9 +85,18 @@ class Planner {
     sampled_laws_.push_back(std::move(laws));
   }
 
+  void put_sampled_in_order() {
+    Array<SignalsData::Sampled> ordered;
+    for (const SignalNode& node : order_sampled(s_, sampled_))
+      ordered.push_back(
+          std::move(d_.sampled[std::find(sampled_.begin(), sampled_.end(), node) - sampled_.begin()]));
+    d_.sampled = std::move(ordered);
+  }
+
   void sampled(int k) {
     const spec::Signal& s = s_.signals[k];
     d_.slot_of_signal[k] = d_.slots;
+    sampled_.push_back({false, k});
     sampled_values(1, s.every, -1, {&s.law});
   }
 
@@ -98,6 +108,7 @@ class Planner {
       b.slot = d_.slots;
       std::vector<const spec::Law*> laws;
       for (const spec::Law& input : s.inputs) laws.push_back(&input);
+      sampled_.push_back({true, k});
       sampled_values(b.outputs, s.every, k, std::move(laws));
       give_outputs(k, b.slot);
     } else if (d_.clock < 0) {
@@ -241,7 +252,8 @@ class Planner {
   SignalsData& d_;
   SignalOrder order_;
   std::array<std::vector<char>, 2> moving_, rough_;  ///< by signal, by block
-  std::vector<std::vector<const spec::Law*>> sampled_laws_;
+  std::vector<SignalNode> sampled_;
+  std::vector<std::vector<const spec::Law*>> sampled_laws_;  ///< of each
   /// Formulas in lists, which get their slots when all have them.
   struct Pending {
     Array<SignalsData::Computed>* list;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "compile/signals/compile_blocks.h"
 #include "mimbre/diagnostics.h"
@@ -65,7 +66,42 @@ class Attempt {
   std::vector<SignalNode> path_;
 };
 
+/// Behind what a node takes, those that are evaluated at instants, each once.
+class Chain {
+ public:
+  explicit Chain(const spec::Model& model)
+      : m_(model),
+        seen_{std::vector<char>(model.signals.size(), 0), std::vector<char>(model.blocks.size(), 0)} {}
+
+  void visit(const SignalNode& node) {
+    if (std::exchange(of(seen_[node.is_block ? 1 : 0], node.index), 1)) return;
+    for (const spec::Source& source : sources_of(m_, node)) {
+      if (source.kind != spec::Source::Kind::signal) continue;
+      SignalNode by{};
+      is_made_within_a_step(m_, source, by);
+      visit(by);
+    }
+    if (is_sampled(node)) order.push_back(node);
+  }
+
+  std::vector<SignalNode> order;
+
+ private:
+  bool is_sampled(const SignalNode& n) const {
+    return (n.is_block ? of(m_.blocks, n.index).every : of(m_.signals, n.index).every) > 0;
+  }
+
+  const spec::Model& m_;
+  std::vector<char> seen_[2];
+};
+
 }  // namespace
+
+std::vector<SignalNode> order_sampled(const spec::Model& m, const std::vector<SignalNode>& sampled) {
+  Chain chain(m);
+  for (const SignalNode& node : sampled) chain.visit(node);
+  return chain.order;
+}
 
 std::vector<spec::Source> sources_of(const spec::Model& m, const SignalNode& node) {
   if (!node.is_block) return of(m.signals, node.index).law.arguments;

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
+#include "signals/once/sampled_chains.h"
 #include "simulation/describe/names.h"
 
 namespace mimbre {
@@ -157,8 +160,9 @@ double Seen::value(const Channels& channels, relative::RelativeSystem& system, c
 }
 
 Sampler::Sampler(const Compiled& m, double step) : model_(m), outside_(with_intervals(m, step), step) {
+  const std::vector<char> chained = takes_sampled(m.signals);
   for (const SignalsData::Sampled& s : m.signals.sampled) {
-    signals_.push_back({&s, {}});
+    signals_.push_back({&s, {}, chained[signals_.size()] != 0});
     for (const SignalsData::Seen& input : s.inputs) signals_.back().inputs.emplace_back(m, input);
   }
   for (std::size_t k = 0; k < m.elements.size(); ++k)
@@ -182,12 +186,23 @@ void Sampler::make_block(const SignalsData::Sampled& s, const double* in, double
 bool Sampler::sample(const Channels& channels, relative::RelativeSystem& system, const State& seen,
                      double step, State& state) {
   auto& w = system.workspace();
+  bool stale = false;  // signals are of before what has been made now
+  const auto refresh = [&] {
+    const double* held = std::exchange(w.signals.held, state.u.data());
+    w.signals.time = std::numeric_limits<double>::quiet_NaN();
+    fix_signals(model_.signals, state.time, w.signals);
+    make_moving_signals(model_.signals, w.signals);
+    w.signals.held = held;
+    w.signals.time = std::numeric_limits<double>::quiet_NaN();
+    stale = false;
+  };
   for (const Signal& s : signals_) {
     const SignalsData::Sampled& data = *s.data;
     double *at = state.u.data() + data.held, &due = at[data.values], &made = at[data.values + 1];
     // Sums of steps are off their multiples by round-off.
     if (state.time < due - 1e-6 * data.every) continue;
     static_assert(most_outside_values >= most_block_inputs && most_outside_values >= most_block_outputs);
+    if (stale && s.chained) refresh();
     std::array<double, most_outside_values> in;
     std::array<double, most_outside_values> out;
     for (std::size_t k = 0; k < s.inputs.size(); ++k) in[k] = s.inputs[k].value(channels, system, seen);
@@ -202,11 +217,13 @@ bool Sampler::sample(const Channels& channels, relative::RelativeSystem& system,
       if (data.every > 1.5 * step) state.started = false;  // as of inputs
       note_jump(model_, state);
       at[k] = out[k];
+      stale = true;
     }
     made = state.time;
     // The next instant that is a multiple of the interval.
     due = (std::floor(state.time / data.every + 1e-6) + 1) * data.every;
   }
+  if (stale && !laws_.empty()) refresh();
   for (const int k : laws_) {
     const ElementData& e = model_.elements[static_cast<std::size_t>(k)];
     ElementState<double> s = element_state(e, w.elements.data());

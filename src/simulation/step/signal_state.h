@@ -55,8 +55,8 @@ class Sampler {
   Sampler(const Compiled& model, double step);
   bool none() const { return signals_.empty() && laws_.empty(); }
   /// Before a step of that length: what is due is evaluated from the system's last residual, which is of
-  /// `seen`, and kept in `state`. Allocates nothing that the outputs that it sees do not, nor blocks from
-  /// elsewhere. False where one of these fails.
+  /// `seen`, and kept in `state`; what takes another signal that is due takes its new value. Allocates
+  /// nothing that the outputs that it sees do not, nor blocks from elsewhere. False where one of these fails.
   bool sample(const Channels& channels, relative::RelativeSystem& system, const State& seen, double step,
               State& state);
   OutsideBlocks& outside() { return outside_; }
@@ -66,6 +66,7 @@ class Sampler {
   struct Signal {
     const SignalsData::Sampled* data;
     std::vector<Seen> inputs;
+    bool chained;  ///< it takes another
   };
   void make_block(const SignalsData::Sampled& signal, const double* in, double made, State& state,
                   double* out);
