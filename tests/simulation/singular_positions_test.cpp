@@ -132,5 +132,33 @@ joints:
   EXPECT_LT((end(1e-4) - right).norm(), 0.04 * (long_steps - right).norm());
 }
 
+/// The message of the step that fails; empty: none does.
+std::string failure(const std::string& text, spec::Simulation::Integrator integrator, double step,
+                    double end) {
+  RunOptions options;
+  options.step = step;
+  options.integrator = integrator;
+  Simulation s(model_of(text), options);
+  while (s.time() < end - step / 2)
+    if (const StepReport report = s.step(); !report.ok()) return s.explain(report);
+  return "";
+}
+
+/// What integrators of high order cannot pass they name; a stiff spring is no singular position.
+TEST(SingularPositions, AreNamedWhereAStepFails) {
+  using Integrator = spec::Simulation::Integrator;
+  const std::string loop = row_of_four_bars(2);
+  EXPECT_EQ(failure(loop, Integrator::generalized_alpha, 0.01, 5), "");
+  for (const Integrator integrator : {Integrator::dopri853, Integrator::radau})
+    EXPECT_NE(failure(loop, integrator, 0.01, 5).find("close to a singular position there"),
+              std::string::npos);
+  const std::string stiff = row_of_four_bars(2) + R"(
+springs: {s: {between: [ground, u0], at: [[-1, 0.5, 0], [0, 0.5, 0]], elastic: {stiffness: 1e9, zero: 1}}}
+)";
+  const std::string message = failure(stiff, Integrator::dopri853, 0.01, 0.3);
+  EXPECT_NE(message.find("too long for an explicit integrator"), std::string::npos) << message;
+  EXPECT_EQ(message.find("singular"), std::string::npos) << message;
+}
+
 }  // namespace
 }  // namespace mimbre::test::singular_positions_test

@@ -17,6 +17,7 @@
 #include "simulation/describe/element_drawings.h"
 #include "simulation/describe/explain.h"
 #include "simulation/describe/names.h"
+#include "simulation/describe/singular_position.h"
 #include "simulation/observe/channels.h"
 #include "simulation/observe/observers.h"
 #include "simulation/observe/recorded_sections.h"
@@ -233,6 +234,22 @@ struct Simulation::Impl {
     look_anew();
     return rate > 0 ? stable_reach(method.integrator) / rate : 0;
   }
+  /// Of a step that failed: whether the loops' position may be the reason, and what helps.
+  std::string singular_position() {
+    const bool near = is_near_singular(mechanism.observer, mechanism.view(), begin.redundancy.equations);
+    look_anew();
+    using Rule = spec::Simulation::Integrator;
+    const bool passes = method.integrator != Rule::rk4 && method.integrator != Rule::dopri853 &&
+                        method.integrator != Rule::radau;
+    return !near
+               ? ""
+               : std::string(
+                     "; its loops are close to a singular position there, next to which accelerations "
+                     "are hardly determined") +
+                     (passes
+                          ? ""
+                          : ": generalized_alpha with the formalism index3 (the default) passes through it");
+  }
   std::string find_jumping_law() {
     const auto seen_in = [](const auto& work) {
       return SeenByLaws{{work.signals.value.begin(), work.signals.value.end()},
@@ -372,6 +389,9 @@ std::string Simulation::explain(const StepReport& report) const {
       mimbre::explain(s.mechanism, report, time() + s.steps.length(), jump, meaningless, stable);
   if (report.code == StepReport::Code::not_converged && jump.empty() && meaningless.empty())
     text += explain_contradiction(s.compiled, s.begin.redundancy);
+  const bool may_be_singular =
+      report.code == StepReport::Code::unstable || report.code == StepReport::Code::not_converged;
+  if (may_be_singular && jump.empty() && meaningless.empty()) text += s.singular_position();
   if (report.code == StepReport::Code::drifted)
     if (const std::string limit = s.drive_limit(); !limit.empty()) text += "; " + limit;
   return report.ok() ? text : text + sunk_wheels(s.compiled, s.steps.contacts());
