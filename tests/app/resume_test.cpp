@@ -191,27 +191,70 @@ TEST_F(Resume, ARunThatReplacedAnOlderFileGoesOnIntoAnother) {
   EXPECT_TRUE(read_file(folder / "on.csv") == read_file(folder / "whole.csv"));
 }
 
-/// Beyond an event that stops the run, too.
-TEST_F(Resume, ARunGoesOnBehindAnEvent) {
-  const std::string once =
-                        "inputs: {seen: 0}\nevents: {low: {when: angle, crosses: 0.8, set: {seen: 1}, stop: ",
-                    model = std::string(pendulum) + "\n";
-  write_file(folder / "stops.yaml", model + once + "true}}\n");
-  write_file(folder / "passes.yaml", model + once + "false}}\n");
-  ASSERT_EQ(run({"run", "passes.yaml", "--quiet", "-o", "whole.h5"}).code, 0);
-  ASSERT_EQ(run({"run", "stops.yaml", "--quiet", "-o", "out.h5", "--save-state", "state"}).code, 0);
-  const Results stopped = read_results((folder / "out.h5").string()),
-                whole = read_results((folder / "whole.h5").string());
-  const auto rows = stopped.time.size();
-  ASSERT_LT(rows, whole.time.size());
-  ASSERT_EQ(run({"run", "stops.yaml", "--quiet", "-o", "out.h5", "--resume", "state"}).code, 0);
-  const Results on = read_results((folder / "out.h5").string());
-  // Where it stopped is a row of its own.
-  ASSERT_EQ(on.time.size(), whole.time.size() + 1);
-  EXPECT_EQ(on.time[rows - 1], stopped.time[rows - 1]);
-  EXPECT_TRUE(on.time.tail(on.time.size() - rows) == whole.time.tail(whole.time.size() - rows + 1));
-  EXPECT_TRUE(on.channels.bottomRows(on.time.size() - rows) ==
-              whole.channels.bottomRows(whole.time.size() - rows + 1));
+/// The old end is no row of the longer run, unless it is on the output interval.
+TEST_F(Resume, TheRowOfAnEarlierEndGoes) {
+  const Arguments run_arguments{"run", "pendulum.yaml", "--set", "interval=0.05", "--quiet"};
+  ASSERT_EQ(run(with(run_arguments, {"-o", "whole.h5", "--csv", "whole.csv"})).code, 0);
+  for (const char* const end : {"0.07", "0.1"}) {
+    SCOPED_TRACE(end);
+    const Arguments files{"-o", "out.h5", "--csv", "out.csv"},
+        begun = with(run_arguments, {"--until", end, "--save-state", "state"});
+    ASSERT_EQ(run(with(begun, files)).code, 0);
+    EXPECT_EQ(csv_rows(folder / "out.csv").size(), 3u);
+    ASSERT_EQ(run(with(with(run_arguments, files), {"--resume", "state"})).code, 0);
+    EXPECT_TRUE(read_file(folder / "out.h5") == read_file(folder / "whole.h5"));
+    EXPECT_TRUE(read_file(folder / "out.csv") == read_file(folder / "whole.csv"));
+    // Of the table alone, and from one earlier end to the next.
+    ASSERT_EQ(run(with(begun, {"--csv", "on.csv"})).code, 0);
+    for (const char* const later : {"0.08", "0.12", "0.13"})
+      if (std::strtod(later, nullptr) > std::strtod(end, nullptr)) {
+        ASSERT_EQ(run(with(run_arguments, {"--csv", "on.csv", "--until", later, "--resume", "state",
+                                           "--save-state", "state"}))
+                      .code,
+                  0);
+      }
+    ASSERT_EQ(run(with(run_arguments, {"--csv", "on.csv", "--resume", "state"})).code, 0);
+    EXPECT_TRUE(read_file(folder / "on.csv") == read_file(folder / "whole.csv"));
+  }
+}
+
+/// Where an event stops a run, within a step or at its end, is one row, and the end of the resumed run, too.
+TEST_F(Resume, ARunThatAnEventStoppedStaysStopped) {
+  const std::string model = std::string(pendulum) + "\n";
+  for (const char* const when : {"t - 0.0404", "t - 0.04", "t - 0.04000000001"})
+    for (const bool fixed_cost : {false, true}) {
+      SCOPED_TRACE(std::string(when) + (fixed_cost ? ", fixed cost" : ""));
+      write_file(folder / "stops.yaml", model + "events: {late: {when: \"" + when + "\", stop: true}}\n");
+      const Arguments cost = fixed_cost ? Arguments{"--fixed-cost"} : Arguments{},
+                      run_arguments =
+                          with({"run", "stops.yaml", "--quiet", "--save-state", "state", "--csv", "out.csv"},
+                               cost);
+      for (const bool results : {false, true}) {
+        const Arguments begun = with(run_arguments, results ? Arguments{"-o", "out.h5"} : Arguments{});
+        ASSERT_EQ(run(begun).code, 0);
+        const auto rows = csv_rows(folder / "out.csv");
+        ASSERT_GE(rows.size(), 5u);
+        EXPECT_LT(rows[rows.size() - 2][0], rows.back()[0]);
+        EXPECT_LE(rows.back()[0], fixed_cost ? 0.0501 : 0.0405);
+        const std::string table = read_file(folder / "out.csv"),
+                          bytes = results ? read_file(folder / "out.h5") : "";
+        if (results) {
+          EXPECT_EQ(read_results((folder / "out.h5").string()).time.size(), std::ssize(rows));
+        }
+        // Again, and beyond the end that it had.
+        for (const Arguments& more : {Arguments{}, Arguments{}, Arguments{"--until", "3"}}) {
+          ASSERT_EQ(run(with(with(begun, {"--resume", "state"}), more)).code, 0);
+          EXPECT_EQ(read_file(folder / "out.csv"), table);
+          if (results && more.empty()) {
+            EXPECT_TRUE(read_file(folder / "out.h5") == bytes);
+          }
+        }
+        EXPECT_EQ(run(with(begun, {"--resume", "state", "--until", "0.02"})).code, 2);
+      }
+    }
+  ASSERT_EQ(run({"run", "stops.yaml", "-q", "--save-state", "state"}).code, 0);
+  EXPECT_THAT(run({"run", "stops.yaml", "--resume", "state"}).err,
+              HasSubstr("note: an event stopped the saved run at t = 0.04 s: it ends there"));
 }
 
 TEST_F(Resume, WhatDoesNotFitIsSaid) {

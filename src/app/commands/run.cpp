@@ -105,18 +105,19 @@ Ending simulate(Simulation& simulation, const RunPlan& plan, RecordedInputs& inp
   };
   try {
     begin();
-    while (totals.steps < plan.steps) {
+    // A saved run that an event stopped has come to its end.
+    if (simulation.stopped() && saving.wanted()) saving.save(simulation, totals, recorder);
+    while (totals.steps < plan.steps && !simulation.stopped()) {
       const std::int64_t row = recorder.recording() ? plan.next_row(totals.steps) : plan.steps;
       const std::int64_t save = saving.wanted() ? saving.times.next_row(totals.steps) : plan.steps;
       const std::int64_t pause = recorder.recording() ? plan.steps : totals.steps + chunk;
       const StepReport report = advance(simulation, plan, std::min({row, save, pause}), totals, stop);
       if (!report.ok()) return stopped({"failed", simulation.explain(report)});
-      if (totals.steps == row) {
+      if (totals.steps == row || simulation.stopped()) {
         recorder.record(simulation);
-        recorded = row;
+        recorded = totals.steps;
       }
       if (simulation.stopped()) {
-        recorder.record(simulation);
         if (saving.wanted()) saving.save(simulation, totals, recorder);
         return {};
       }
@@ -200,6 +201,17 @@ void resume(const RunArguments& arguments, const RunState& saved, const RunPlan&
   simulation.restore(saved.snapshot);
 }
 
+/// The row at the end of the saved run goes where the run goes on, and one to the later end would have none.
+void drop_old_end(RunState& saved, const RunPlan& plan, const Simulation& simulation,
+                  std::vector<ResultsRow>& rows) {
+  if (rows.size() < 2 || saved.recorded == 0 || simulation.stopped()) return;
+  std::int64_t last = 0;
+  while (plan.next_row(last) < saved.recorded) last = plan.next_row(last);
+  if (plan.next_row(last) == saved.recorded) return;
+  rows.pop_back();
+  saved.recorded = last;
+}
+
 /// Options that need others; the file of the saved run is that of the resumed one, if none is named.
 RunArguments completed(RunArguments arguments) {
   if (arguments.every && arguments.state.empty()) {
@@ -265,6 +277,10 @@ int run_model(const RunArguments& given_arguments) {
   if (saved) {
     resume(arguments, *saved, plan, simulation);
     if (saved->rows.count > 0) rows = recorded_rows(*saved, files, simulation.output_count());
+    drop_old_end(*saved, plan, simulation, rows);
+    if (simulation.stopped() && !arguments.quiet)
+      fmt::print(stderr, "mimbre: note: an event stopped the saved run at t = {:.6g} s: it ends there\n",
+                 simulation.time());
   }
   Recorder recorder(files, simulation, options_json(arguments));
   RunTotals totals;
