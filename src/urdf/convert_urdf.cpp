@@ -38,23 +38,42 @@ double softness(double steps) {
   return time * time;
 }
 
+/// A name that a model may have: the given one, or one like it.
+std::string allowed_name(const std::string& given) {
+  // Suffixes need room, and characters beyond ASCII have several bytes.
+  std::size_t length = std::min<std::size_t>(given.size(), 90);
+  while (length < given.size() && length > 0 && (static_cast<unsigned char>(given[length]) & 0xC0) == 0x80)
+    --length;
+  std::string name = given.substr(0, length);
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_' && c != '-' && c != '.' &&
+        static_cast<unsigned char>(c) < 0x80)
+      c = '_';
+  if (name.empty() || name[0] == '.' || name[0] == '-') name = "_" + name;
+  // YAML's words for other values, and the ground.
+  static const std::set<std::string> taken{"ground", "all", "null", "true", "false",
+                                           "yes",    "no",  "on",   "off"};
+  if (taken.contains(name)) name += "_";
+  return name;
+}
+
 /// Names that a model may have, each once.
 class Names {
  public:
   std::string make(const std::string& given) {
-    std::string name = given.substr(0, 90);
-    for (char& c : name)
-      if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_' && c != '-' && c != '.' &&
-          static_cast<unsigned char>(c) < 0x80)
-        c = '_';
-    if (name.empty() || name[0] == '.' || name[0] == '-') name = "_" + name;
-    // YAML's words for other things, and the ground.
-    static const std::set<std::string> taken{"ground", "all", "null", "true", "false",
-                                             "yes",    "no",  "on",   "off"};
-    if (taken.contains(name)) name += "_";
+    const std::string name = allowed_name(given);
     std::string free = name;
     for (int k = 2; !used_.insert(free).second; ++k) free = fmt::format("{}_{}", name, k);
     return free;
+  }
+  /// Of all of a kind, whose names differ: those that may stay do so, whatever comes first.
+  template <class Named>
+  std::vector<std::string> make_all(const std::vector<Named>& all) {
+    std::vector<std::string> names(all.size());
+    for (const bool stays : {true, false})
+      for (std::size_t k = 0; k < all.size(); ++k)
+        if ((allowed_name(all[k].name) == all[k].name) == stays) names[k] = make(all[k].name);
+    return names;
   }
 
  private:
@@ -68,13 +87,16 @@ class Writer {
         options_(options),
         robot_(read_robot(path, options.repair)),
         merged_(joined(robot_, options.keep_fixed, options.floating)) {
-    for (const Link& link : robot_.links) links_.push_back(places_.make(link.name));
-    for (const Joint& joint : robot_.joints) joints_.push_back(couplings_.make(joint.name));
+    links_ = places_.make_all(robot_.links);
+    joints_ = couplings_.make_all(robot_.joints);
     // A root that is nothing but a name is the ground.
     const MergedBody& root = merged_.bodies.front();
     root_is_ground_ = !options.floating && root.mass == 0 && root.visuals.empty();
     result_.notes = robot_.notes;
     result_.repairs = robot_.repairs;
+    for (std::size_t k = 0; k < links_.size(); ++k) say_renamed("link", robot_.links[k], links_[k]);
+    for (std::size_t k = 0; k < joints_.size(); ++k)
+      if (written(robot_.joints[k])) say_renamed("joint", robot_.joints[k], joints_[k]);
     const std::size_t first = root_is_ground_ ? 1 : 0;
     if (options.repair)
       for (Diagnostic& repair : urdf::repair(robot_, merged_, options.floating, first,
@@ -129,6 +151,12 @@ class Writer {
     return content.empty() ? "" : fmt::format("{}:\n{}\n", name, content);
   }
   void note(const Mark& mark, const std::string& message) { result_.notes.push_back({mark, message}); }
+  template <class Named>
+  void say_renamed(const char* kind, const Named& one, const std::string& name) {
+    if (name == one.name) return;
+    note(one.mark, fmt::format("{} '{}' is called '{}' in the model", kind, one.name, name));
+  }
+  bool written(const Joint& joint) const { return joint.type != Joint::Type::fixed || options_.keep_fixed; }
   const Link& link(int index) const { return robot_.links[static_cast<std::size_t>(index)]; }
   const std::string& name_of_link(int index) const { return links_[static_cast<std::size_t>(index)]; }
   /// What a joint takes hold of.
@@ -256,7 +284,7 @@ class Writer {
       const int holder = robot_.held_by[static_cast<std::size_t>(index)];
       if (holder < 0) continue;
       const Joint& joint = robot_.joints[static_cast<std::size_t>(holder)];
-      if (joint.type == Joint::Type::fixed && !options_.keep_fixed) continue;
+      if (!written(joint)) continue;
       text += this->joint(joint, joints_[static_cast<std::size_t>(holder)]);
     }
     return text;

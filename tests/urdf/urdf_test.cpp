@@ -406,6 +406,32 @@ TEST_F(UrdfFile, WhatCannotMoveIsTold) {
               HasSubstr("no matter has the principal moments"));
 }
 
+/// Names that may stay do so, whatever comes first; each that changes is told, where the model has it.
+TEST_F(UrdfFile, NamesChangeWhereTheyHaveToAndAreTold) {
+  const std::string axis = "<axis xyz=\"0 1 0\"/>", umlaut = std::string(89, 'x') + "ä";
+  const ConvertedRobot robot = convert(
+      link("ground") + link("left arm") + link("left_arm") + link("left_arm_2") + link(umlaut) +
+      joint("the first", "continuous", "ground", "left arm", axis) +
+      joint("the_first", "continuous", "left arm", "left_arm", axis + "<mimic joint=\"the first\"/>") +
+      joint("a fixed one", "fixed", "left_arm", "left_arm_2") +
+      joint("last", "continuous", "left_arm_2", umlaut, axis));
+  const spec::Model m = parse_model(robot.text, "robot.yaml", "");
+  const auto body = [&](const char* of_joint) {
+    const spec::Frame& frame = m.frames[static_cast<std::size_t>(named(m.joints, of_joint).frame_b)];
+    return m.bodies[static_cast<std::size_t>(frame.body)].name;
+  };
+  EXPECT_EQ(body("the_first"), "left_arm");
+  EXPECT_EQ(body("the_first_2"), "left_arm_3");
+  EXPECT_EQ(named(m.frames, "left_arm_2").name, "left_arm_2");
+  const std::string notes = all_of(robot);
+  EXPECT_THAT(notes, AllOf(HasSubstr("link 'ground' is called 'ground_' in the model"),
+                           HasSubstr("link 'left arm' is called 'left_arm_3' in the model"),
+                           HasSubstr("joint 'the first' is called 'the_first_2' in the model"),
+                           HasSubstr("ä' is called '" + std::string(89, 'x') + "' in the model"),
+                           Not(HasSubstr("a fixed one")), Not(HasSubstr("'left_arm'"))));
+  EXPECT_THAT(robot.text, HasSubstr("line 2: link 'ground' is called 'ground_' in the model"));
+}
+
 TEST_F(UrdfFile, WithoutMassAndShapesThereIsNoBody) {
   const char* what = "no link has a mass or a shape";
   const std::string frames = "<link name=\"a\"/><link name=\"b\"/>" + joint("j", "fixed", "a", "b");
