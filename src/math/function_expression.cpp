@@ -91,7 +91,7 @@ double value_at(Op op, double x) {
     case Op::sign:
       return sign_of(x);
     case Op::rint:
-      return std::floor(x + 0.5);
+      return std::nearbyint(x);
     default:  // abs
       return std::abs(x);
   }

@@ -56,7 +56,7 @@ class Recording {
     log10,
     abs,
     round,
-    floor,
+    rint,
     atan2,
     pow,
     hypot,

@@ -146,7 +146,7 @@ class Variation {
       case Op::abs:
         return select(x < zero, -dx, dx);
       case Op::round:
-      case Op::floor:
+      case Op::rint:
         return 0;
       case Op::atan2:  // of x (first) over y
         return over(dx * y - x * dy, x * x + y * y);

@@ -60,8 +60,8 @@ const char* function_of(Op op) {
       return "fabs";
     case Op::round:
       return "round";
-    case Op::floor:
-      return "floor";
+    case Op::rint:
+      return "rint";
     case Op::atan2:
       return "atan2";
     case Op::pow:

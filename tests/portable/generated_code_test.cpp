@@ -215,6 +215,30 @@ actuators:
   EXPECT_TRUE(std::isnan(made.output(1000)));
 }
 
+/// Of halves the even number, as the library does.
+TEST(GeneratedCode, RoundsToWholeNumbers) {
+  const auto model = model_of(R"yaml(
+gravity: [0, 0, 0]
+bodies: {b: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {slide: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [1, 0, 0]}}
+signals:
+  eighths: "8*t - 2"
+  halves: "rint(eighths) + 100*rint(0.49999999999999994 + 0*t)"
+  large: "rint(4503599627370497 + 0*t) - 4503599627370497"
+outputs: [{name: place, joint: slide}]
+simulation: {step: 0.0625}
+)yaml");
+  const GeneratedCode code = generate_code(model, {}, "rounds");
+  ASSERT_EQ(code.outputs.size(), 4u);
+  Code made(code);
+  EXPECT_EQ(difference(model, code, made), 0);
+  Simulation s(model, fixed_cost());
+  EXPECT_EQ(s.value(s.channel("signal.large")), 0);
+  ASSERT_TRUE(s.step().ok());
+  EXPECT_EQ(s.value(s.channel("signal.eighths")), -1.5);
+  EXPECT_EQ(s.value(s.channel("signal.halves")), -2);
+}
+
 /// A loop whose joints rub: some break away at the start, some hold, and in the end all do.
 TEST(GeneratedCode, SticksAndSlides) {
   const auto model = model_of(four_bar_text({{"crank", ", velocity: 4"}}) + R"yaml(

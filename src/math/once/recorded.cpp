@@ -62,8 +62,8 @@ double value_of(Op op, double a, double b) {
       return std::abs(a);
     case Op::round:
       return std::round(a);
-    case Op::floor:
-      return std::floor(a);
+    case Op::rint:
+      return std::nearbyint(a);
     case Op::atan2:
       return mimbre::atan2(a, b);
     case Op::pow:

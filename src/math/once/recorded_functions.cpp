@@ -149,7 +149,7 @@ RecordedTaylor taylor(Program::Op op, const Recorded& x) {
     case P::sign:
       return {sign_of(x), 0, 0};
     case P::rint:
-      return {record(Op::floor, x + Recorded(0.5)), 0, 0};
+      return {of(Op::rint), 0, 0};
     default:
       throw NotRecordable("a formula has an operation that is not known");
   }
