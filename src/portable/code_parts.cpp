@@ -77,9 +77,10 @@ void check_identifier(const std::string& name) {
       std::all_of(name.begin(), name.end(),
                   [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_'); }))
     return;
-  throw InputError(Mark{}, fmt::format("the name '{}' is no identifier of C: take letters, digits and _, "
-                                       "and begin with a letter",
-                                       name));
+  throw InputError(Mark{},
+                   fmt::format("the name '{}' is no identifier of C: take letters from a to z and A to Z, "
+                               "digits and _, and begin with a letter",
+                               name));
 }
 
 void check_type_name(const std::string& name) {

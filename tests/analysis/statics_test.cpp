@@ -283,5 +283,45 @@ TEST(Statics, ARunStartedAtEquilibriumStays) {
   EXPECT_LT((s.save().q - before.q).cwiseAbs().maxCoeff(), 1e-8);
 }
 
+/// A sampled force counts as 0, and so a body that it carries falls: the error names it, and no other signal.
+TEST(Statics, NamesTheSampledSignalsThatForcesFollow) {
+  const auto error_of = [](const std::string& every, const std::string& force) -> std::string {
+    try {
+      static_equilibrium(model_of(R"(
+bodies: {b: {mass: 2, com: [0, 0, 0], inertia: [1, 1, 1]}}
+joints: {slide: {type: prismatic, between: [ground, b], at: [0, 0, 0], axis: [0, 0, 1]}}
+outputs: [{name: z, joint: slide}]
+signals:
+  seen: {value: z, every: 0.01}
+  weight: {value: "2*9.81", every: )" +
+                                  every +
+                                  R"(}
+  held: {pid: z, setpoint: 0, kp: 10, ki: 0, kd: 0, every: 0.01}
+  smooth: {transfer_function: weight, numerator: [1], denominator: [0.01, 1]}
+  both: "smooth + 0*held"
+actuators: {lift: {joint: slide, force: )" +
+                                  force + "}}\n"));
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string end = "; a signal without `every` acts there";
+  for (const char* const force : {"weight", "smooth", "2*weight - weight"}) {
+    const std::string error = error_of("0.01", force);
+    EXPECT_TRUE(
+        error.ends_with("; forces follow 'weight', which is sampled (`every`) and counts as 0 in an "
+                        "equilibrium" +
+                        end))
+        << error;
+  }
+  EXPECT_TRUE(error_of("0.01", "both")
+                  .ends_with("; forces follow 'weight', 'held', which are sampled (`every`) and count as 0 "
+                             "in an equilibrium" +
+                             end));
+  EXPECT_TRUE(error_of("0.01", "1").find("no static equilibrium") == 0);
+  EXPECT_EQ(error_of("0.01", "1").find("sampled"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace mimbre::test::statics_test

@@ -49,6 +49,29 @@ TEST_P(BadModelFile, IsReportedAtItsLine) {
   EXPECT_LE(errors.size(), 2u) << "one mistake must not bring a flood:\n" << all;
 }
 
+/// Bodies that are refused are no lack of bodies; none are one, whatever else is wrong.
+TEST(BadModelFiles, BodiesThatAreRefusedAreNotMissing) {
+  const auto refused = errors_of("mimbre: 1\nbodies:\n  a/b: {mass: 1, com: [0, 0, 0]}\n  -c: {}\n");
+  ASSERT_EQ(refused.size(), 2u);
+  EXPECT_NE(refused[0].message.find("'a/b' is no name for a body"), std::string::npos);
+  EXPECT_NE(refused[1].message.find("'-c' is no name for a body"), std::string::npos);
+  EXPECT_EQ(errors_of("mimbre: 1\nbodies: [a]\n").size(), 1u);
+  EXPECT_EQ(errors_of("mimbre: 1\nbodies: {}\nsprung: {}\n").size(), 2u);
+  EXPECT_EQ(errors_of("mimbre: 1\nsprung: {}\n").size(), 2u);
+}
+
+/// Names in formulas have the letters of ASCII alone, and the messages tell which.
+TEST(BadModelFiles, LettersOfNamesInFormulasAreToldApart) {
+  for (const char* section : {"parameters: {größe: 1}", "inputs: {größe: 1}", "signals: {größe: '1'}"}) {
+    const auto errors = errors_of(std::string("mimbre: 1\n") + section +
+                                  "\nbodies: {b: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}}\n");
+    ASSERT_EQ(errors.size(), 1u) << section;
+    EXPECT_NE(errors[0].message.find("has letters from a to z and A to Z, digits and '_' only"),
+              std::string::npos)
+        << errors[0].message;
+  }
+}
+
 /// A sound model; the line after it is 7.
 const std::string sound =
     "mimbre: 1\n"

@@ -42,7 +42,8 @@ std::optional<spec::Source> find_source(Builder& builder, const Part& part, cons
   return {};
 }
 
-constexpr const char* no_word = "a name in expressions has letters, digits and '_' only";
+constexpr const char* no_word =
+    "a name in expressions has letters from a to z and A to Z, digits and '_' only";
 
 bool is_word(const std::string& name) {
   return !name.empty() && starts_name(name[0]) && name_end(name, 0) == name.size();

@@ -77,7 +77,7 @@ std::optional<Declaration> read_declaration(const Value& value) {
   if (const auto choices = fields.get("choices")) {
     for (const Value& choice : choices->list()) {
       if (!choice.is_scalar() || !good_name(choice.tree().text))
-        choice.error("choices are words of letters, digits and '_'");
+        choice.error("choices are words of letters from a to z and A to Z, digits and '_'");
       else
         result.choices.push_back(choice.tree().text);
     }
@@ -153,7 +153,9 @@ void read_parameters(const Value& section, const std::map<std::string, std::stri
   for (const auto& entry : section.tree().entries) {
     const std::string what = fmt::format("parameter '{}'", entry.key);
     if (!good_name(entry.key)) {
-      errors.add(entry.mark, fmt::format("{}: a parameter's name has letters, digits and '_' only", what));
+      errors.add(entry.mark,
+                 fmt::format("{}: a parameter's name has letters from a to z and A to Z, digits and '_' only",
+                             what));
       continue;
     }
     if (reserved(entry.key)) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
 #include "model_file/sections/contacts.h"
@@ -24,6 +25,13 @@ void check_version(const Fields& fields) {
   if (number && *number != 1)
     version->error(
         fmt::format("format version {} is not known; this program reads version 1", version->tree().text));
+}
+
+/// Whether some are given, right or wrong.
+bool has_bodies(const Part& part) {
+  const auto section = part.section("bodies");
+  if (!section) return false;
+  return section->is_map() ? !section->tree().entries.empty() : !section->is_null();
 }
 
 void warn_unused(Builder& builder) {
@@ -108,7 +116,9 @@ spec::Model parse_by(const FileReader& files, const std::string& text, const std
   resolve_sensors(builder);
   read_simulation(builder, model);
   complete_fmu_intervals(builder.model);
-  if (builder.model.bodies.empty())
+  const bool refused =
+      !builder.errors.list.empty() && std::any_of(builder.parts.begin(), builder.parts.end(), has_bodies);
+  if (builder.model.bodies.empty() && !refused)
     builder.errors.add(model.tree->mark, "the model has no body; add one under 'bodies'");
   builder.errors.throw_if_any();
 

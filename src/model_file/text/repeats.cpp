@@ -136,8 +136,9 @@ class Writer {
     for (const auto& entry : value.tree().entries) {
       const Value over(value.reading(), *entry.value, fmt::format("{}: {}", value.what(), entry.key));
       if (entry.key.empty() || !starts_name(entry.key[0]) || name_end(entry.key, 0) != entry.key.size())
-        over.error(
-            fmt::format("'{}' is no name for an index; it has letters, digits and '_' only", entry.key));
+        over.error(fmt::format(
+            "'{}' is no name for an index; it has letters from a to z and A to Z, digits and '_' only",
+            entry.key));
       else
         result.push_back({entry.key, over.is_list() ? listed(over) : range(over)});
     }

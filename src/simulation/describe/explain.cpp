@@ -40,6 +40,45 @@ std::string quoted(const std::vector<std::string>& names) {
   return names.size() > most ? text + ", …" : text;
 }
 
+/// Signals that are evaluated at instants and that force elements or loads follow, by other signals too.
+std::vector<std::string> sampled_forces(const Compiled& m) {
+  const SignalsData& d = m.signals;
+  std::vector<char> used(static_cast<std::size_t>(d.slots), 0);
+  bool changed = true;
+  const auto use = [&](int slot) {
+    if (slot < 0 || used[static_cast<std::size_t>(slot)]) return;
+    used[static_cast<std::size_t>(slot)] = 1;
+    changed = true;
+  };
+  const auto use_all = [&](const LawData& law) {
+    for (const int slot : law.slots) use(slot);
+  };
+  for (const LawData& law : m.formulas) use_all(law);
+  for (const int slot : m.arguments) use(slot);
+  const auto follow = [&](const SignalsData::Computed& made) {
+    const int count = made.block < 0 ? 1 : d.blocks[made.block].outputs;
+    const char* const first = used.data() + made.slot;
+    if (std::none_of(first, first + count, [](char wanted) { return wanted != 0; })) return;
+    if (made.block < 0) return use_all(made.law);
+    for (const LawData& law : d.blocks[made.block].laws) use_all(law);
+  };
+  while (changed) {
+    changed = false;
+    for (const SignalsData::Computed& made : d.fixed) follow(made);
+    for (const SignalsData::Computed& made : d.moving) follow(made);
+  }
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < m.spec().signals.size(); ++k) {
+    const spec::Signal& signal = m.spec().signals[k];
+    const double every =
+        signal.block < 0 ? signal.every : m.spec().blocks[static_cast<std::size_t>(signal.block)].every;
+    if (const int slot = d.slot_of_signal[k];
+        signal.named && every > 0 && slot >= 0 && used[static_cast<std::size_t>(slot)])
+      names.push_back(signal.name);
+  }
+  return names;
+}
+
 /// That of the equation that came apart, with its unit.
 std::string violation_of(const Mechanism& mechanism, const StepReport& r) {
   const bool is_angle =
@@ -261,8 +300,10 @@ std::string explain(const Mechanism& mechanism, const StepReport& r, double t, c
   return {};
 }
 
-std::string explain_imbalance(const Compiled& model, const natural::NaturalSystem* natural,
-                              const StaticsStatus& status) {
+namespace {
+
+std::string describe_imbalance(const Compiled& model, const natural::NaturalSystem* natural,
+                               const StaticsStatus& status) {
   const bool has_wheels = std::any_of(model.elements.begin(), model.elements.end(),
                                       [](const ElementData& e) { return e.measure == Measure::wheel; });
   // What is not balanced lies anywhere between a vehicle and its wheels.
@@ -287,6 +328,19 @@ std::string explain_imbalance(const Compiled& model, const natural::NaturalSyste
       "no static equilibrium was found: unbalanced force {:.3g} {}, the largest in {} (does anything hold "
       "it?){}, after {} iterations",
       status.residual, unit, coordinate_name(model, natural, status.coordinate), open, status.iterations);
+}
+
+}  // namespace
+
+std::string explain_imbalance(const Compiled& model, const natural::NaturalSystem* natural,
+                              const StaticsStatus& status) {
+  std::string text = describe_imbalance(model, natural, status);
+  if (const std::vector<std::string> names = sampled_forces(model); !names.empty())
+    text += fmt::format(
+        "; forces follow {}, which {} sampled (`every`) and {} as 0 in an equilibrium; a signal without "
+        "`every` acts there",
+        quoted(names), names.size() > 1 ? "are" : "is", names.size() > 1 ? "count" : "counts");
+  return text;
 }
 
 std::string explain_instability(const Compiled& model, const natural::NaturalSystem* natural,
