@@ -87,14 +87,17 @@ class CsvWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Largest and mean absolute difference of every channel that both have, on the common time range (the
-/// coarser grid's instants, linear interpolation on the finer).
+/// Largest and mean absolute difference of every channel that both have, on the common time range: at
+/// the instants of the coarser grid, where values of the finer are interpolated, by cubics where it is
+/// smooth.
 struct ChannelDifference {
   std::string name;
   double max_difference = 0;
   double mean_difference = 0;
   double at_time = 0;    ///< of the largest
   double amplitude = 0;  ///< largest absolute value in A
+  /// How far the interpolated values may be off, about; 0: none are.
+  double interpolation_error = 0;
 };
 std::vector<ChannelDifference> compare(const Results& a, const Results& b);
 

@@ -150,6 +150,8 @@ class Difference:
     """Of the largest difference, s."""
     amplitude: float
     """The largest size of a value in the first run, in that unit."""
+    interpolation_error: float = 0
+    """How far values that are interpolated between instants may be off, about, in that unit; 0: none are."""
 
     @property
     def relative(self) -> float:

@@ -91,9 +91,10 @@ auto channels_of(const Verification& verification) {
 }
 
 auto differences_of(const Results& a, const Results& b) {
-  std::vector<std::tuple<std::string, double, double, double, double>> list;
+  std::vector<std::tuple<std::string, double, double, double, double, double>> list;
   for (const ChannelDifference& d : compare(a, b))
-    list.emplace_back(d.name, d.max_difference, d.mean_difference, d.at_time, d.amplitude);
+    list.emplace_back(d.name, d.max_difference, d.mean_difference, d.at_time, d.amplitude,
+                      d.interpolation_error);
   return list;
 }
 

@@ -55,12 +55,13 @@ def test_compare_is_the_program_s(pendulum, tmp_path):
     said = json.loads(program("compare", tmp_path / "a.h5", tmp_path / "b.h5", "--json"))["channels"]
     assert set(found) == set(said)
     for name, d in found.items():
-        assert (d.unit, d.max_difference, d.mean_difference, d.time, d.amplitude) == (
+        assert (d.unit, d.max_difference, d.mean_difference, d.time, d.amplitude, d.interpolation_error) == (
             said[name]["unit"],
             said[name]["max_difference"],
             said[name]["mean_difference"],
             said[name]["at_time"],
             said[name]["amplitude"],
+            said[name]["interpolation_error"],
         )
         assert np.isinf(d.relative) or d.relative == said[name]["relative"]
     assert mimbre.compare(tmp_path / "a.h5", a)["angle"].max_difference == 0

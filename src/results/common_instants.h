@@ -11,8 +11,12 @@ struct Place {
   double part = 0;
 };
 
-/// A channel between the instants of its run, linearly.
-double interpolate(const Eigen::MatrixXd& channels, Eigen::Index channel, Place place);
+/// A channel between the instants of its run: by the cubic through four of them where that is smooth, else by
+/// the parabola or line that bends less; and about by how much that may be off at most.
+struct Between {
+  double value = 0, error = 0;
+};
+Between interpolate(const Results& run, Eigen::Index channel, Place place);
 
 /// On what two runs are compared: the instants of the coarser one within the time that they share.
 struct CommonInstants {

@@ -53,8 +53,8 @@ Eigen::VectorXd difference(const Results& first, Index of_first, const Results& 
                            const results::CommonInstants& instants) {
   Eigen::VectorXd values(static_cast<Index>(instants.time.size()));
   for (std::size_t k = 0; k < instants.time.size(); ++k)
-    values(static_cast<Index>(k)) = results::interpolate(run.channels, of_run, instants.in_b[k]) -
-                                    results::interpolate(first.channels, of_first, instants.in_a[k]);
+    values(static_cast<Index>(k)) = results::interpolate(run, of_run, instants.in_b[k]).value -
+                                    results::interpolate(first, of_first, instants.in_a[k]).value;
   return values;
 }
 

@@ -208,6 +208,26 @@ TEST_F(Commands, CompareFindsTheDifferencesOfTheTables) {
   EXPECT_EQ(run({"compare", "a.h5", "missing.h5"}).code, 1);
 }
 
+/// One motion, written at other instants: what is between them is interpolated, about as well as is said.
+TEST_F(Commands, CompareInterpolatesBetweenInstants) {
+  for (const char* interval : {"0.05", "0.03", "0.02"})
+    ASSERT_EQ(run({"run", "pendulum.yaml", "-q", "--set", std::string("interval=") + interval, "-o",
+                   std::string(interval) + ".h5"})
+                  .code,
+              0);
+  const Outcome compared = run({"compare", "0.05.h5", "0.03.h5"});
+  EXPECT_THAT(compared.out, HasSubstr("interpolation error"));
+  EXPECT_THAT(compared.err, HasSubstr("note: some instants are not in both files"));
+  const auto angle = run({"compare", "0.05.h5", "0.03.h5", "--json"}).json().at("channels").at("angle");
+  EXPECT_LT(angle.at("max_difference").number(), angle.at("interpolation_error").number());
+  EXPECT_LT(angle.at("max_difference").number(), 2e-5 * angle.at("amplitude").number());
+  EXPECT_LT(angle.at("interpolation_error").number(), 1e-3 * angle.at("amplitude").number());
+  ASSERT_EQ(run({"run", "pendulum.yaml", "-q", "-o", "all.h5"}).code, 0);
+  const Outcome same = run({"compare", "0.05.h5", "all.h5"});
+  EXPECT_THAT(same.out, Not(HasSubstr("interpolation error")));
+  EXPECT_EQ(same.err, "");
+}
+
 /// A coordinate and its rate have no difference.
 TEST_F(Commands, CompareLeavesOutWhatHasOtherUnits) {
   std::string rates = pendulum;

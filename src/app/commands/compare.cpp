@@ -116,6 +116,7 @@ int run_compare(const CompareArguments& arguments) {
                                   {"mean_difference", d.mean_difference},
                                   {"at_time", d.at_time},
                                   {"amplitude", d.amplitude},
+                                  {"interpolation_error", d.interpolation_error},
                                   {"relative", relative(d)}};
     json["only_in_first"] = only_in_a;
     json["only_in_second"] = only_in_b;
@@ -123,12 +124,27 @@ int run_compare(const CompareArguments& arguments) {
     print_data(to_text(json) + '\n');
     return code;
   }
-  Table table({"channel", "unit", "largest difference", "at t, s", "mean difference", "largest / amplitude"});
-  for (const ChannelDifference& d : differences)
-    table.add({d.name, units[d.name], fmt::format("{:.4g}", d.max_difference),
-               fmt::format("{:.6g}", d.at_time), fmt::format("{:.4g}", d.mean_difference),
-               fmt::format("{:.3g}", relative(d))});
+  const bool interpolated = std::any_of(differences.begin(), differences.end(),
+                                        [](const ChannelDifference& d) { return d.interpolation_error > 0; });
+  std::vector<std::string> columns{
+      "channel", "unit", "largest difference", "at t, s", "mean difference", "largest / amplitude"};
+  if (interpolated) columns.push_back("interpolation error");
+  Table table(columns);
+  for (const ChannelDifference& d : differences) {
+    std::vector<std::string> row{d.name,
+                                 units[d.name],
+                                 fmt::format("{:.4g}", d.max_difference),
+                                 fmt::format("{:.6g}", d.at_time),
+                                 fmt::format("{:.4g}", d.mean_difference),
+                                 fmt::format("{:.3g}", relative(d))};
+    if (interpolated) row.push_back(fmt::format("{:.2g}", d.interpolation_error));
+    table.add(row);
+  }
   print_data(table.text());
+  if (interpolated)
+    fmt::print(stderr,
+               "mimbre: note: some instants are not in both files: values between instants are interpolated, "
+               "and may be off by about as much as the last column has\n");
   for (const std::string& warning : warnings) print_warning(warning);
   if (!only_in_a.empty()) print_warning(fmt::format("only in '{}': {}", first, fmt::join(only_in_a, ", ")));
   if (!only_in_b.empty()) print_warning(fmt::format("only in '{}': {}", second, fmt::join(only_in_b, ", ")));
@@ -147,6 +163,11 @@ Command add_compare(CommandLine& program) {
   parser.footer(
       "Compares the channels that both have in the same unit, on the instants of the coarser one within the "
       "time they share.\n"
+      "Where the other has no such instant its values are interpolated, by cubics where they are smooth. "
+      "'interpolation\n"
+      "error' estimates how far that may be off: smaller differences mean nothing. For none, write both "
+      "files at the same\n"
+      "instants (output_interval).\n"
       "Example:\n  mimbre compare coarse.h5 fine.h5");
   return {parser, [arguments] { return run_compare(*arguments); }};
 }
