@@ -145,6 +145,48 @@ TEST(ShellElement, MassAndInertiaAreExact) {
   }
 }
 
+TEST(ShellElement, OfFibresIsTheSameWhereverItsNumberingBegins) {
+  // The energy belongs to the sheet: neither the corner that is named first nor the axes matter.
+  const fe::NamedMaterial fibres{
+      "fibres", {0, 0, 1600}, fe::elastic_matrix({1.4e11, 1e10, 1e10, 0.3, 0.3, 0.4, 5e9, 5e9, 4e9})};
+  for (const ElementType type : kShellTypes)
+    for (const double angle : {0.0, 0.6, 1.1}) {
+      const fe::Orientation along{
+          fe::Orientation::Kind::rectangular,
+          some_rotation() * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
+          Eigen::Vector3d::Zero()};
+      const fe::ElementMaterial material(fibres, &along);
+      const fe::ShellNodes nodes = single_shell(type, 0);
+      const Eigen::Index count = nodes.cols();
+      const Eigen::MatrixXd K = fe::shell_matrices({type, nodes, kThickness}, material).stiffness;
+      for (Eigen::Index first = 1; first < count; ++first) {
+        Eigen::VectorXi dofs(6 * count);
+        fe::ShellNodes renumbered(3, count);
+        for (Eigen::Index k = 0; k < count; ++k) {
+          renumbered.col(k) = nodes.col((k + first) % count);
+          for (int j = 0; j < 6; ++j) dofs[6 * k + j] = static_cast<int>(6 * ((k + first) % count)) + j;
+        }
+        const Eigen::MatrixXd same = fe::shell_matrices({type, renumbered, kThickness}, material).stiffness;
+        EXPECT_LT((same - K(dofs, dofs)).norm(), 1e-11 * K.norm()) << type_name(type) << ' ' << angle;
+      }
+    }
+}
+
+TEST(ShellElement, BendsInItsPlaneByFelippasShare) {
+  // His rule gives ½ (1 − 4 ν²) for any isotropic sheet; a sheet that is nearly isotropic has nearly that.
+  fe::PlaneNodes quad(2, 4);
+  quad << -1, 1.2, 0.8, -1, -0.5, -0.6, 0.5, 0.4;
+  for (const double nu : {0.0, 0.3, 0.45}) {
+    Eigen::Matrix3d elastic;
+    elastic << 1, nu, 0, nu, 1, 0, 0, 0, (1 - nu) / 2;
+    elastic /= 1 - nu * nu;
+    const Eigen::MatrixXd K = fe::membrane_stiffness(quad, 1, nu, 1);
+    EXPECT_LT((fe::membrane_stiffness(quad, elastic, 1) - K).norm(), 1e-15 * K.norm()) << nu;
+    elastic(0, 0) *= 1 + 1e-9;
+    EXPECT_LT((fe::membrane_stiffness(quad, elastic, 1) - K).norm(), 1e-7 * K.norm()) << nu;
+  }
+}
+
 /// Displacements under forces, all but the free dofs held.
 Eigen::VectorXd solve(const fe::FeMatrices& matrices, const std::vector<int>& free,
                       const Eigen::VectorXd& force) {

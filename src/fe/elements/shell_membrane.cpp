@@ -50,7 +50,7 @@ void for_each_triangle(const PlaneNodes& nodes, const Add& add) {
 }
 
 /// Stiffness of unit thickness. Corners i, j, k in cyclic order; "side i" runs from i to j.
-Matrix9 triangle_stiffness(const Triangle& nodes, const Eigen::Matrix3d& elasticity, double poisson) {
+Matrix9 triangle_stiffness(const Triangle& nodes, const Eigen::Matrix3d& elasticity, double beta0) {
   const auto x = [&](int i, int j) { return nodes(0, i % 3) - nodes(0, j % 3); };
   const auto y = [&](int i, int j) { return nodes(1, i % 3) - nodes(1, j % 3); };
   const double area = area_of(nodes);
@@ -87,10 +87,32 @@ Matrix9 triangle_stiffness(const Triangle& nodes, const Eigen::Matrix3d& elastic
     deviation.col(3 * i + 1).setConstant(y(i + 2, i + 1) / (4 * area));
     deviation(i, 3 * i + 2) += 1;
   }
-  // Exact in-plane bending; above ν of nearly ½ some stiffness must be left.
-  const double beta0 = std::max(0.5 * (1 - 4 * poisson * poisson), 0.01);
   stiffness += 0.75 * beta0 * area * deviation.transpose() * rotations * deviation;
   return stiffness;
+}
+
+/// Felippa's β₀, the share of the higher part with which the element bends in its plane as it should (2003,
+/// of any sheet): the same in all axes, so that it does not go by where the corners' numbering begins.
+/// Isotropic: ½ (1 − 4 ν²). For ν of nearly ½ and for strong fibres some stiffness must be left.
+double share_of_bending(const Eigen::Matrix3d& elastic) {
+  constexpr double kLeast = 0.01, kRoundOff = 1e-12;
+  const double e11 = elastic(0, 0), e12 = elastic(0, 1), e13 = elastic(0, 2), e22 = elastic(1, 1),
+               e23 = elastic(1, 2), e33 = elastic(2, 2);
+  const double beside =
+      std::max({std::abs(e11 - e22), std::abs(e11 - e12 - 2 * e33), std::abs(e13), std::abs(e23)});
+  if (beside <= kRoundOff * e11) {
+    const double poisson = e12 / std::sqrt(e11 * e22);
+    return std::max(0.5 * (1 - 4 * poisson * poisson), kLeast);
+  }
+  const double w = -6 * e12 * e12 * e12 + 5 * e11 * e11 * e22 - 5 * e12 * e12 * e22 -
+                   e22 * (75 * e13 * e13 + 14 * e13 * e23 + 3 * e23 * e23) +
+                   2 * e12 * (7 * e13 * e13 + 46 * e13 * e23 + 7 * e23 * e23) -
+                   e11 * (5 * e12 * e12 + 3 * e13 * e13 - 6 * e12 * e22 - 5 * e22 * e22 + 14 * e13 * e23 +
+                          75 * e23 * e23) +
+                   (3 * e11 * e11 + 82 * e11 * e22 + 3 * e22 * e22) * e33 -
+                   4 * (6 * e12 * e12 + 5 * e13 * e13 - 6 * e13 * e23 + 5 * e23 * e23) * e33 +
+                   4 * (5 * e11 - 6 * e12 + 5 * e22) * e33 * e33;
+  return std::max(256 * elastic.determinant() / w - 1.5, kLeast);
 }
 
 }  // namespace
@@ -103,11 +125,11 @@ MembraneMatrix membrane_stiffness(const PlaneNodes& nodes, double young, double 
 
 MembraneMatrix membrane_stiffness(const PlaneNodes& nodes, const Eigen::Matrix3d& elastic, double thickness) {
   const Eigen::Matrix3d elasticity = thickness * elastic;
-  const double poisson = elastic(0, 1) / std::sqrt(elastic(0, 0) * elastic(1, 1));
+  const double beta0 = share_of_bending(elastic);
   const int count = static_cast<int>(nodes.cols());
   MembraneMatrix stiffness = MembraneMatrix::Zero(3 * count, 3 * count);
   for_each_triangle(nodes, [&](const Triangle& triangle, const std::array<int, 3>& corners, double share) {
-    const Matrix9 part = triangle_stiffness(triangle, elasticity, poisson);
+    const Matrix9 part = triangle_stiffness(triangle, elasticity, beta0);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
         stiffness.block<3, 3>(3 * corners[i], 3 * corners[j]) += share * part.block<3, 3>(3 * i, 3 * j);

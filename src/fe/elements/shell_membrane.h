@@ -10,9 +10,10 @@ using MembraneMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 /// each node. Triangles: the optimal one for bending in its plane (Felippa 2003, "A study of optimal membrane
 /// triangles with drilling freedoms"). Quadrilaterals: the mean of their two divisions into such triangles,
 /// with the exact energy of bending as rectangles of any aspect ratio. `nodes` (2 × 3 or 2 × 4)
-/// anticlockwise, convex. Symmetric, full storage.
+/// anticlockwise, convex, from any corner on. Symmetric, full storage.
 MembraneMatrix membrane_stiffness(const PlaneNodes& nodes, double young, double poisson, double thickness);
-/// The same of any material; `elastic`: stress by strain in the plane (xx, yy, engineering xy).
+/// The same of any material, with one share of bending for all its directions; `elastic`: stress by strain in
+/// the plane (xx, yy, engineering xy).
 MembraneMatrix membrane_stiffness(const PlaneNodes& nodes, const Eigen::Matrix3d& elastic, double thickness);
 
 /// Mean strain (xx, yy, engineering xy) of the element = matrix (3 × dofs) · dofs.
