@@ -47,12 +47,15 @@ class BucklingSearch {
   const BucklingOptions& options_;
   Buckling out_;
   GrowingLoads growing_;
+  IndependentCoordinates independent_;  ///< of the unloaded equilibrium
 };
 
 LinearModel BucklingSearch::at(double factor) const {
   LinearOptions options;
   options.point.at = LinearPoint::At::equilibrium;
   options.run.inputs = options_.inputs;
+  // Where others are as good as those of the unloaded point, round-off would choose anew at each load.
+  options.independent = independent_;
   return linearise(loaded_by(spec_, growing_, factor), options);
 }
 
@@ -106,6 +109,7 @@ void BucklingSearch::check_unloaded(const LinearModel& unloaded) const {
 Buckling BucklingSearch::find() {
   if (options_.count < 1) throw InputError(Mark{}, "count must be at least 1");
   const LinearModel unloaded = at(0);
+  independent_ = unloaded.independent;
   for (int k = 0; k < unloaded.coordinates; ++k)
     out_.coordinates.push_back(unloaded.states[static_cast<std::size_t>(k)].name);
   if (unloaded.coordinates == 0)
