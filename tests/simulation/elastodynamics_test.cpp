@@ -270,6 +270,69 @@ TEST(Elastodynamics, PlacesShowTheDeflection) {
   EXPECT_GT(most, 1e-4);
 }
 
+/// A slider-crank that lies flat, at rest; its rod sags.
+std::shared_ptr<const Model> flat_slider_crank(const std::string& approach, const std::string& first,
+                                               const std::string& second, const std::string& modes) {
+  return model_of(fmt::format(R"(
+gravity: [0, 0, -9.81]
+materials: {{m: {{young: 7e10, poisson: 0.3, density: 2700}}}}
+sections: {{s: {{type: rectangle, width: 0.02, height: 0.012}}}}
+bodies:
+  crank: {{mass: 1, com: [0, 0, 0], inertia: [0.01, 0.01, 0.01]}}
+  slider: {{mass: 1, com: [0.7, 0, 0], inertia: [0.01, 0.01, 0.01]}}
+  rod:
+    frame: {{at: [0.15, 0.15, 0], x: [0.55, -0.15, 0], y: [0.15, 0.55, 0]}}
+    flexibility: {}
+    flexible:
+      material: m
+      section: s
+      nodes: {{a: [0.15, 0.15, 0], m: [0.425, 0.075, 0], t: [0.7, 0, 0]}}
+      bars:
+        p: {{from: a, to: m, elements: 4, y: [0.15, 0.55, 0]}}
+        q: {{from: m, to: t, elements: 4, y: [0.15, 0.55, 0]}}
+      clamped: [a]
+      static_modes: [{}]
+joints:
+  shaft: {{type: revolute, between: [ground, crank], at: [0, 0, 0], axis: [0, 0, 1], drive: {{position: "0"}}}}
+  pin: {{type: {}, between: [crank, rod], at: [0.15, 0.15, 0]}}
+  end: {{type: {}, between: [rod, slider], at: [0.7, 0, 0]}}
+  guide: {{type: prismatic, between: [ground, slider], at: [0.7, 0, 0], axis: [1, 0, 0]}}
+outputs:
+  - {{name: at_pin, position: rod.a, component: z}}
+  - {{name: middle, position: rod.m, component: z}}
+  - {{name: at_end, position: rod.t, component: z}}
+)",
+                              approach, modes, first, second));
+}
+
+/// Where redundant joints bend the body, the rigid mechanism does not know how far, and the run says so.
+TEST(Elastodynamics, SaysWhatRedundantJointsLeaveOpen) {
+  const std::string all = "{node: t, all: true}, {node: m, all: true}",
+                    across = "{node: m, along: [0.15, 0.55, 0]}", hinge = "revolute, axis: [0, 0, 1]",
+                    universal = "universal, axis: [0, 0, 1], axis2: [0.15, 0.55, 0]";
+  const auto sag = [&](const std::string& approach, const std::string& first, const std::string& second) {
+    const Eigen::VectorXd z = static_equilibrium(flat_slider_crank(approach, first, second, all)).values;
+    return z[1] - (z[0] + z[2]) / 2;
+  };
+  const auto warned = [&](const std::string& first, const std::string& second, const std::string& modes) {
+    for (const std::string& w :
+         Simulation(flat_slider_crank("elastodynamics", first, second, modes)).warnings())
+      if (w.find("body 'rod' bends by elastodynamics under reactions") != std::string::npos) return w;
+    return std::string();
+  };
+  // The pin holds the rod's end; so does the guide, by the ball.
+  const double held = sag("floating_frame", hinge, "spherical");
+  EXPECT_GT(std::abs(sag("elastodynamics", hinge, "spherical") - held), 0.5 * std::abs(held));
+  EXPECT_THAT(warned(hinge, "spherical", all), testing::HasSubstr("'pin', 'end', 'guide'"));
+  // Each reaction follows from the weights.
+  const double carried = sag("floating_frame", universal, "spherical");
+  EXPECT_NEAR(sag("elastodynamics", universal, "spherical"), carried, 1e-3 * std::abs(carried));
+  EXPECT_EQ(warned(universal, "spherical", all), "");
+  // Hinges repeat each other too, but what they leave open does not bend a rod in the plane.
+  EXPECT_EQ(warned(hinge, hinge, across), "");
+  EXPECT_NE(warned(hinge, hinge, all), "");
+}
+
 TEST(Elastodynamics, MayNotBeSeenWithinAStep) {
   for (const std::string sensor :
        {"deflection: bar.tip, along: [0, 0, 1]", "modal_amplitude: bar, component: 1"}) {

@@ -79,6 +79,12 @@ std::vector<std::string> sampled_forces(const Compiled& m) {
   return names;
 }
 
+std::vector<std::string> names_of(const spec::Model& model, const std::vector<int>& bodies) {
+  std::vector<std::string> names;
+  for (const int k : bodies) names.push_back(model.bodies[static_cast<std::size_t>(k)].name);
+  return names;
+}
+
 /// That of the equation that came apart, with its unit.
 std::string violation_of(const Mechanism& mechanism, const StepReport& r) {
   const bool is_angle =
@@ -360,6 +366,20 @@ std::string explain_near_redundancy(const Redundancy& r) {
       "mechanism "
       "may lock, and their reactions are arbitrary; give them exactly, or free a coordinate of one of them",
       r.nearly_constraints.empty() ? "joints" : "joints and constraints", quoted(names));
+}
+
+std::string explain_open_bending(const Compiled& m, const std::vector<int>& bodies, const Redundancy& r) {
+  if (bodies.empty()) return {};
+  const std::vector<std::string> bent = names_of(m.spec(), bodies);
+  std::vector<std::string> holders = r.joints;
+  for (const auto* more : {&r.constraints, &r.nearly_joints, &r.nearly_constraints})
+    for (const std::string& name : *more)
+      if (std::find(holders.begin(), holders.end(), name) == holders.end()) holders.push_back(name);
+  return fmt::format(
+      "{} {} bend{} by elastodynamics under reactions that rigid bodies leave open, since constraints of {} "
+      "repeat each other: deflections, stresses and section forces are right only where no load asks for "
+      "these reactions; take `flexibility: floating_frame`, or joints that repeat nothing",
+      bent.size() > 1 ? "bodies" : "body", quoted(bent), bent.size() > 1 ? "" : "s", quoted(holders));
 }
 
 std::string explain_unresolved(const Compiled& model, const UnresolvedReaction& r) {

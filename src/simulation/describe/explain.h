@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "dynamics/natural/system.h"
 #include "integrate/statics.h"
@@ -38,6 +39,11 @@ std::string explain_instability(const Compiled& model, const natural::NaturalSys
 
 /// A warning where constraints are nearly redundant, else nothing.
 std::string explain_near_redundancy(const Redundancy& redundancy);
+
+/// A warning of bodies by elastodynamics (numbers in the model) that reactions bend which redundant joints
+/// leave open, else nothing.
+std::string explain_open_bending(const Compiled& model, const std::vector<int>& bodies,
+                                 const Redundancy& redundancy);
 
 /// A warning of reactions that a run does not resolve.
 std::string explain_unresolved(const Compiled& model, const UnresolvedReaction& reaction);

@@ -5,11 +5,13 @@
 
 #include "linalg/once/sparse_qr.h"
 #include "math/elementary.h"
+#include "mimbre/reduced_body.h"
 
 namespace mimbre {
 namespace {
 
 constexpr double redundant = 1e-9;         ///< what an equation adds to others, as a share of its length
+constexpr double bent = 1e-4;              ///< of the forces on modes that the largest wrench has
 constexpr double nearly_redundant = 1e-5;  ///< the same: an angle, or a distance over L, that nobody meant
 
 /// The transposed Jacobian, velocity coordinates × equations, in the mechanism's own units; equations of
@@ -84,23 +86,31 @@ std::vector<double> borne(relative::RelativeSystem& system, const State& s,
   return size;
 }
 
-/// Joints, then constraints, that carry more than `negligible` of the largest wrench where forces go round
-/// that no load asks for.
-std::vector<bool> concerned(relative::RelativeSystem& system, const State& s, const ScaledJacobian& jacobian,
-                            const linalg::SparseQr& qr, double negligible) {
-  const Compiled& m = system.model();
-  std::vector<bool> marked(m.spec().joints.size() + m.constraints.size(), false);
+/// Two multipliers that are in balance without load, of no rule, so that nothing cancels.
+std::vector<Eigen::VectorXd> forces_that_go_round(const ScaledJacobian& jacobian,
+                                                  const linalg::SparseQr& qr) {
+  std::vector<Eigen::VectorXd> out;
   const auto count = static_cast<Eigen::Index>(qr.dependent().size());
-  if (count == 0) return marked;
+  if (count == 0) return out;
   for (const double seed : {0.0, 1.0}) {
-    // Of no rule, so that nothing cancels.
     Eigen::VectorXd shares(count);
     for (Eigen::Index k = 0; k < count; ++k) {
       const double x = mimbre::sin(12.9898 * static_cast<double>(k + 1) + 78.233 * seed) * 43758.5453;
       shares[k] = 0.5 + x - std::floor(x);
     }
     const Eigen::VectorXd forces = jacobian.factor.cwiseProduct(qr.null_vector(shares));
-    if (!forces.allFinite()) continue;
+    if (forces.allFinite()) out.push_back(forces);
+  }
+  return out;
+}
+
+/// Joints, then constraints, that carry more than `negligible` of the largest wrench where forces go round
+/// that no load asks for.
+std::vector<bool> concerned(relative::RelativeSystem& system, const State& s, const ScaledJacobian& jacobian,
+                            const linalg::SparseQr& qr, double negligible) {
+  const Compiled& m = system.model();
+  std::vector<bool> marked(m.spec().joints.size() + m.constraints.size(), false);
+  for (const Eigen::VectorXd& forces : forces_that_go_round(jacobian, qr)) {
     const std::vector<double> size = borne(system, s, forces);
     const double largest = *std::max_element(size.begin(), size.end());
     for (std::size_t j = 0; j < size.size(); ++j)
@@ -109,7 +119,42 @@ std::vector<bool> concerned(relative::RelativeSystem& system, const State& s, co
   return marked;
 }
 
+/// Whether forces on the modes are more than round-off of what a wrench of this size does to them.
+bool bends(const BodyData& b, const ReducedBody& body, double wrench, double length,
+           const Eigen::VectorXd& forces) {
+  for (int k = 0; k < b.modes; ++k) {
+    double by_unit = 0;
+    for (const BodyFrame& frame : body.frames)
+      by_unit = std::max(by_unit, frame.X.col(k).norm() + length * frame.X_theta.col(k).norm());
+    if (std::abs(forces[b.v + b.joint_velocities + k]) > bent * wrench * by_unit) return true;
+  }
+  return false;
+}
+
 }  // namespace
+
+std::vector<int> bodies_of_open_bending(relative::RelativeSystem& system, const State& s) {
+  const Compiled& m = system.model();
+  std::vector<int> out;
+  const auto is_one = [](const BodyData& b) { return b.elastodynamic && b.modes > 0; };
+  if (m.equations == 0 || std::none_of(m.bodies.begin(), m.bodies.end(), is_one)) return out;
+  const ScaledJacobian jacobian = scaled_jacobian(system, s);
+  const linalg::SparseQr qr(jacobian.transposed, nearly_redundant);
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(m.velocities), none = Eigen::VectorXd::Zero(m.equations);
+  for (const Eigen::VectorXd& forces : forces_that_go_round(jacobian, qr)) {
+    const std::vector<double> size = borne(system, s, forces);
+    const double largest = *std::max_element(size.begin(), size.end());
+    Eigen::VectorXd with(m.velocities), without(m.velocities);
+    system.residual(s.time, s.q.data(), rest.data(), rest.data(), forces.data(), 0, with.data());
+    system.residual(s.time, s.q.data(), rest.data(), rest.data(), none.data(), 0, without.data());
+    for (const BodyData& b : m.bodies) {
+      if (!is_one(b) || std::find(out.begin(), out.end(), b.spec) != out.end()) continue;
+      const spec::Body& body = m.spec().bodies[static_cast<std::size_t>(b.spec)];
+      if (bends(b, *body.flexible, largest, m.length_scale, with - without)) out.push_back(b.spec);
+    }
+  }
+  return out;
+}
 
 Redundancy find_redundancy(relative::RelativeSystem& system, const State& s) {
   const Compiled& m = system.model();

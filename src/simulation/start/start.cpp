@@ -53,6 +53,8 @@ Start start(Mechanism& mechanism, const Method& method, const std::map<std::stri
   if (m.equations > 0) {
     found.redundancy = find_redundancy(observer, assembled);
     warn(explain_near_redundancy(found.redundancy));
+    if (warns && found.redundancy.equations + found.redundancy.nearly > 0)
+      warn(explain_open_bending(m, bodies_of_open_bending(observer, assembled), found.redundancy));
     if (warns)
       for (const std::string& text : locking_warnings(observer, assembled)) warn(text);
   }
