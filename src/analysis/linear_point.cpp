@@ -226,6 +226,8 @@ void refuse_elastodynamic_bodies(const Compiled& m) {
 }
 
 [[noreturn]] void refuse_massless(const Compiled& m, int coordinate) {
+  if (const std::string stiffened = explain_lost_mass(m, nullptr, coordinate); !stiffened.empty())
+    throw std::runtime_error("the equations of motion are not solvable for the accelerations: " + stiffened);
   throw std::runtime_error(
       fmt::format("{} moves no mass, so that the equations of motion are not solvable for its "
                   "acceleration; give what it moves a mass or an inertia",

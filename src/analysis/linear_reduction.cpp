@@ -16,6 +16,8 @@ namespace {
 constexpr double repeated = 1e-9;
 /// Of the largest inertia along the scales: a motion with less has none.
 constexpr double no_inertia = 1e-13;
+/// Of an entry of a mass that is not symmetric, over the roots of the diagonal.
+constexpr double one_way = 1e-8;
 
 VectorXd scales_of(const std::vector<double>& scale) {
   return Eigen::Map<const VectorXd>(scale.data(), std::ssize(scale));
@@ -45,6 +47,12 @@ int massless_coordinate(const MatrixXd& mass, const VectorXd& scale) {
   const MatrixXd unit = inverse.asDiagonal() * (scaled + scaled.transpose()) / 2 * inverse.asDiagonal();
   // Nearly always, and much faster than the eigenvalues.
   if (is_positive_definite(unit - 2 * no_inertia * MatrixXd::Identity(unit.rows(), unit.cols()))) return -1;
+  // Loads of inertia that stiffen a body act one way only: of such a mass the symmetric part says nothing.
+  if (const MatrixXd given = inverse.asDiagonal() * scaled * inverse.asDiagonal();
+      (given - given.transpose()).cwiseAbs().maxCoeff() > one_way) {
+    const Eigen::VectorXcd values = eigenvalues(given);
+    if (values.size() > 0 && values.real().minCoeff() > no_inertia) return -1;
+  }
   const EigenPairs pairs = symmetric_eigen(unit);
   if (!pairs.ok || pairs.values[0] > no_inertia) return -1;
   pairs.vectors.col(0).cwiseAbs().maxCoeff(&least);

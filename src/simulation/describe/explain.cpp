@@ -382,6 +382,35 @@ std::string explain_open_bending(const Compiled& m, const std::vector<int>& bodi
       bent.size() > 1 ? "bodies" : "body", quoted(bent), bent.size() > 1 ? "" : "s", quoted(holders));
 }
 
+std::string explain_held_elsewhere(const spec::Model& model, const std::vector<int>& bodies) {
+  if (bodies.empty()) return {};
+  const std::vector<std::string> names = names_of(model, bodies);
+  const bool many = names.size() > 1;
+  return fmt::format(
+      "{} {} with `stiffening: geometric_stiffness` {} held at another place than where {} clamped: once "
+      "bent, "
+      "loads of inertia may take the mass of modes away; clamp {} where joints hold {}, or take `stiffening: "
+      "foreshortening`",
+      many ? "bodies" : "body", quoted(names), many ? "are" : "is", many ? "they are" : "it is",
+      many ? "them" : "it", many ? "them" : "it");
+}
+
+std::string explain_lost_mass(const Compiled& m, const natural::NaturalSystem* natural, int coordinate) {
+  if (natural) return {};
+  for (const BodyData& b : m.bodies) {
+    if (b.modes == 0 || coordinate < b.v + b.joint_velocities || coordinate >= b.v + b.size()) continue;
+    if (m.flexible[static_cast<std::size_t>(b.flexible)].geometric.inertial == 0) return {};
+    return fmt::format(
+        "loads of inertia that stiffen body '{}' (`stiffening: geometric_stiffness`) take away the mass of "
+        "{}, "
+        "as far as the body is bent, which happens where it is held at another place than where it is "
+        "clamped; "
+        "clamp it where joints hold it, or take `stiffening: foreshortening`",
+        m.spec().bodies[static_cast<std::size_t>(b.spec)].name, coordinate_name(m, natural, coordinate));
+  }
+  return {};
+}
+
 std::string explain_unresolved(const Compiled& model, const UnresolvedReaction& r) {
   return fmt::format(
       "at t = {:.6g} s the mechanism goes through a singular position (a change point), where reactions grow "

@@ -45,6 +45,14 @@ std::string explain_near_redundancy(const Redundancy& redundancy);
 std::string explain_open_bending(const Compiled& model, const std::vector<int>& bodies,
                                  const Redundancy& redundancy);
 
+/// A warning of bodies with geometric stiffness that are held elsewhere than where they are clamped (numbers
+/// in the model), else nothing.
+std::string explain_held_elsewhere(const spec::Model& model, const std::vector<int>& bodies);
+
+/// Of a velocity coordinate that is a mode of a body that loads of inertia stiffen: how these may take the
+/// body's mass away. Of others nothing.
+std::string explain_lost_mass(const Compiled& model, const natural::NaturalSystem* natural, int coordinate);
+
 /// A warning of reactions that a run does not resolve.
 std::string explain_unresolved(const Compiled& model, const UnresolvedReaction& reaction);
 

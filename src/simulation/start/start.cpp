@@ -9,6 +9,7 @@
 #include "simulation/start/accuracy_limits.h"
 #include "simulation/start/assembly.h"
 #include "simulation/start/drawn_open.h"
+#include "simulation/start/held_elsewhere.h"
 #include "simulation/start/locking.h"
 #include "simulation/start/redundancy.h"
 #include "simulation/start/start_branches.h"
@@ -58,6 +59,7 @@ Start start(Mechanism& mechanism, const Method& method, const std::map<std::stri
     if (warns)
       for (const std::string& text : locking_warnings(observer, assembled)) warn(text);
   }
+  if (warns) warn(explain_held_elsewhere(m.spec(), bodies_held_elsewhere(m.spec())));
   mechanism.state = mechanism.natural ? natural_state(*mechanism.natural, observer, assembled) : assembled;
   mechanism.state.u = assembled.u;
   mechanism.state.z = assembled.z;

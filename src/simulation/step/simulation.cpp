@@ -23,6 +23,7 @@
 #include "simulation/observe/recorded_sections.h"
 #include "simulation/observe/shown_reactions.h"
 #include "simulation/start/choose_integrator.h"
+#include "simulation/start/held_elsewhere.h"
 #include "simulation/start/jumping_law.h"
 #include "simulation/start/redundancy.h"
 #include "simulation/start/start.h"
@@ -387,8 +388,13 @@ std::string Simulation::explain(const StepReport& report) const {
   if (report.code == StepReport::Code::unstable && report.part == 0) stable = s.longest_stable_step();
   std::string text =
       mimbre::explain(s.mechanism, report, time() + s.steps.length(), jump, meaningless, stable);
-  if (report.code == StepReport::Code::not_converged && jump.empty() && meaningless.empty())
+  if (report.code == StepReport::Code::not_converged && jump.empty() && meaningless.empty()) {
+    if (const std::string elsewhere =
+            explain_held_elsewhere(s.compiled.spec(), bodies_held_elsewhere(s.compiled.spec()));
+        !elsewhere.empty())
+      text += "; " + elsewhere;
     text += explain_contradiction(s.compiled, s.begin.redundancy);
+  }
   const bool may_be_singular =
       report.code == StepReport::Code::unstable || report.code == StepReport::Code::not_converged;
   if (may_be_singular && jump.empty() && meaningless.empty()) text += s.singular_position();
