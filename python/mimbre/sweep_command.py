@@ -175,7 +175,7 @@ def _rows(data: xr.Dataset) -> list[dict[str, Any]]:
     columns = {name: flat[name].values for name in names}
     values = {name: flat[name].transpose("_runs", ...).values for name in _outputs(flat)}
     for k in range(data.status.size):
-        row: dict[str, Any] = {"parameters": {name: columns[name][k].item() for name in names}}
+        row: dict[str, Any] = {"parameters": {name: columns[name].item(k) for name in names}}
         row["status"] = str(flat["status"].values[k])
         if flat["message"].values[k]:
             row["message"] = str(flat["message"].values[k])

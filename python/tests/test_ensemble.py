@@ -45,6 +45,15 @@ def test_a_grid_has_the_values_of_single_runs(model):
             assert np.array_equal(data["angle"].sel(k=k, mass=mass), wanted)
 
 
+def test_tunables_may_be_texts_with_units(model):
+    """As parameters that the model is compiled with may: their values are those of numbers."""
+    data = mimbre.sweep(model, {"k": ["3500 g", "7/2", 3.5], "mass": ["0.6"]})
+    assert (data.status == "ok").all()
+    assert len(set(data["angle"].to_numpy().ravel())) == 1
+    refused = mimbre.sweep(model, {"k": ["eleven"]})
+    assert "eleven" in str(refused["message"][0].item())
+
+
 def test_histories_functions_lists_and_samples(model):
     rows = mimbre.samples(qmc.Sobol(2, rng=1), 4, {"k": (1, 5), "mass": (0.5, 1)})
     data = mimbre.sweep(model, rows, outputs="z", reduce="history", until=0.2)

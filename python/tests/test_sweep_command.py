@@ -90,6 +90,12 @@ def test_a_grid_gives_the_values_of_sweep(folder, sweep):
     assert float(table[3].split()[2]) == pytest.approx(answer["rows"][2]["values"]["angle"]["max"], rel=1e-5)
 
 
+def test_numbers_beyond_64_bits_are_numbers(folder, rows):
+    found = rows("study: 1\nmodel: model.yaml\noutputs: z\ngrid: {k: [10000000000000000000000, 1]}\n")
+    assert [row["status"] for row in found] == ["rejected", "ok"]
+    assert found[0]["parameters"] == {"k": 10**22}
+
+
 def test_lists_tables_and_samples(folder, rows):
     head = "study: 1\nmodel: model.yaml\noutputs: z\n"
     wanted = [{"k": 1, "bar": "long"}, {"k": 2.5, "bar": "short"}]

@@ -138,7 +138,7 @@ class InverseProblem {
   VectorXd forces(const State& s);
   void balance(State& s);
   void find_forces(State& s, InverseDynamics& out, Eigen::Index instant);
-  void follow_dynamically(const std::vector<double>& times, InverseDynamics& out);
+  void follow_dynamically(const std::vector<double>& times, const State& start, InverseDynamics& out);
   void judge(InverseDynamics& out) const;
   /// Events, and what is evaluated at instants: both happen in runs alone.
   bool acts_at_instants() const {
@@ -316,7 +316,9 @@ void InverseProblem::observe(State& s, InverseDynamics& out, Eigen::Index instan
 }
 
 /// By a run of the model with its drives.
-void InverseProblem::follow_dynamically(const std::vector<double>& times, InverseDynamics& out) {
+/// From `start` on, where the prescribed motion begins.
+void InverseProblem::follow_dynamically(const std::vector<double>& times, const State& start,
+                                        InverseDynamics& out) {
   RunOptions run;
   run.formulation = spec::Simulation::Formulation::relative;
   run.inputs = options_.inputs;
@@ -324,6 +326,18 @@ void InverseProblem::follow_dynamically(const std::vector<double>& times, Invers
   run.end = std::max(times.back(), 1e-9);
   run.energies = run.validity = run.warnings = false;
   Simulation simulation(driven_.model, run);
+  // What is free begins there with the motion, not with a jump from a standstill before it. Integrals of
+  // signals go on from 0 s, and so does all with them.
+  if (start.time != simulation.time() && m_.signals.integrals.empty()) {
+    Simulation::Snapshot there = simulation.save();
+    there.time = start.time;
+    there.q = start.q;
+    there.v = start.v;
+    there.a = start.a;
+    there.started = false;
+    if (m_.signals.clock >= 0) there.u[m_.signals.clock] = start.time;
+    simulation.restart(there);
+  }
   for (std::size_t k = 0; k < times.size(); ++k) {
     while (simulation.time() < times[k] - 1e-12 * times.back()) {
       const double next = simulation.time() + simulation.step_size();
@@ -382,11 +396,18 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times, double b
                                    "looked for along other coordinates than the prescribed ones; take "
                                    "flexible: quasistatic, or prescribe all motions",
                                    out.free, out.free > 1 ? "s" : ""));
-    follow_dynamically(times, out);
+    s = first;
+    s.time = begin;
+    place(s);
+    follow_dynamically(times, s, out);
     judge(out);
     return out;
   }
   const bool remembers = s.z.size() > 0 || s.u.size() > 0;
+  const auto keep = [&] {
+    commit_signals(m_, system_, s);
+    system_.enter(s.u.data(), s.z.data(), 0);
+  };
   const auto go = [&](double to, Eigen::Index instant) {
     const double h = to - s.time;
     if (h > 0) {
@@ -403,10 +424,7 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times, double b
       observe(s, out, instant);
     else
       forces(s);
-    if (remembers) {
-      commit_signals(m_, system_, s);
-      system_.enter(s.u.data(), s.z.data(), 0);
-    }
+    if (remembers) keep();
   };
   // Far ones in parts, so that turns are counted and loops stay on their branch.
   const auto go_in_parts = [&](double to, Eigen::Index instant) {
@@ -440,6 +458,13 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times, double b
     s = first;
     s.time = begin;
     go(begin, -1);
+  } else if (remembers && begin != 0) {
+    // Friction slides from the beginning on, as at a start with these velocities.
+    for (const ElementData& e : m_.elements)
+      if (e.turns < 0) std::copy_n(m_.states.data() + e.states, e.state_count, s.z.data() + e.states);
+    system_.enter(s.u.data(), s.z.data(), 0);
+    forces(s);
+    keep();
   }
   for (std::size_t k = 0; k < times.size(); ++k) {
     if (blocks && times[k] > s.time) follow_blocks(times[k]);

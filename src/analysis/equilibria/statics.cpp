@@ -32,6 +32,7 @@ StaticResult static_equilibrium(std::shared_ptr<const Model> model, const RunOpt
   if (!status.converged) throw std::runtime_error(explain_imbalance(m, natural.get(), status));
   result.stable = !(status.growth > 0);
   warn(explain_instability(m, natural.get(), status));
+  warn(explain_sampled_laws(m));
   const AtRest at_rest = sample_at_rest(m, system, s);
   for (const std::string& text : at_rest.warnings) warn(text);
   if (const auto moving = moving_signals(m, system, s); !moving.empty())

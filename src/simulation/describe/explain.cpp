@@ -1,6 +1,7 @@
 #include "simulation/describe/explain.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compile/element_name.h"
 #include "integrate/vectors.h"
 #include "joints/joint_kind.h"
 #include "simulation/describe/names.h"
@@ -346,7 +348,23 @@ std::string explain_imbalance(const Compiled& model, const natural::NaturalSyste
         "; forces follow {}, which {} sampled (`every`) and {} as 0 in an equilibrium; a signal without "
         "`every` acts there",
         quoted(names), names.size() > 1 ? "are" : "is", names.size() > 1 ? "count" : "counts");
+  if (const std::string laws = explain_sampled_laws(model); !laws.empty()) text += "; " + laws;
   return text;
+}
+
+std::string explain_sampled_laws(const Compiled& model) {
+  std::vector<std::string> names;
+  for (const ElementData& e : model.elements)
+    if (e.sampled)
+      if (const std::string name = element_name(model, e);
+          std::find(names.begin(), names.end(), name) == names.end())
+        names.push_back(name);
+  if (names.empty()) return {};
+  return fmt::format(
+      "{} exert{} no force in an equilibrium: functions of Python are called at the instants of a run alone, "
+      "and a "
+      "run moves on from there; an expression, or a compiled function, acts in it",
+      fmt::join(names, ", "), names.size() > 1 ? "" : "s");
 }
 
 std::string explain_instability(const Compiled& model, const natural::NaturalSystem* natural,

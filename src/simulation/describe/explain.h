@@ -33,6 +33,9 @@ std::string explain_undetermined_start(const Compiled& model, const natural::Nat
 std::string explain_imbalance(const Compiled& model, const natural::NaturalSystem* natural,
                               const StaticsStatus& status);
 
+/// A warning of laws that are called at instants alone, which act in no equilibrium; empty: there are none.
+std::string explain_sampled_laws(const Compiled& model);
+
 /// A warning where an equilibrium does not last, else nothing.
 std::string explain_instability(const Compiled& model, const natural::NaturalSystem* natural,
                                 const StaticsStatus& status);

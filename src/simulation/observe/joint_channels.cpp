@@ -78,10 +78,13 @@ JointReaction JointObserver::reaction(int joint, const relative::RelativeSystem&
     force = sign * w.transmitted[body_[joint]].force;
     moment = sign * w.transmitted[body_[joint]].moment;
   } else {
-    const LoopData& l = model_.loops[loop_[joint]];
-    for (int k = l.first_equation; k < l.first_equation + l.count; ++k) {
-      force -= s.multipliers[k] * w.covector_linear[k];
-      moment -= s.multipliers[k] * w.covector_angular[k];
+    // A floating one beside others has no equations.
+    if (loop_[joint] >= 0) {
+      const LoopData& l = model_.loops[loop_[joint]];
+      for (int k = l.first_equation; k < l.first_equation + l.count; ++k) {
+        force -= s.multipliers[k] * w.covector_linear[k];
+        moment -= s.multipliers[k] * w.covector_angular[k];
+      }
     }
     // What acts on its coordinates goes through it too.
     for (const ElementData& e : model_.elements) {

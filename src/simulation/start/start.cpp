@@ -49,7 +49,10 @@ Start start(Mechanism& mechanism, const Method& method, const std::map<std::stri
   };
   State assembled = assembled_state(m, observer, inputs);
   if (warns) warn(drawn_open(observer, assembled));
-  if (m.spec().simulation.start_at_equilibrium) warn(start_at_equilibrium(observer, assembled));
+  if (m.spec().simulation.start_at_equilibrium) {
+    warn(start_at_equilibrium(observer, assembled));
+    if (warns) warn(explain_sampled_laws(m));
+  }
   mechanism.seen = assembled;
   if (m.equations > 0) {
     found.redundancy = find_redundancy(observer, assembled);
