@@ -98,7 +98,7 @@ struct Road {
   spec::Road::Over over = spec::Road::Over::distance;
   std::vector<std::array<double, 2>>
       points{};                    ///< (x or t, z) in ascending order; one that comes twice is a jump; needed
-  std::optional<double> repeat{};  ///< period, no shorter than the points reach
+  std::optional<double> repeat{};  ///< period, no shorter than the points reach; beyond them all is level
   /// Of a grid, instead: rows along y of heights along x, m, from `origin` on every `spacing`.
   Eigen::MatrixXd heights{};
   Eigen::Vector2d origin = Eigen::Vector2d::Zero(), spacing = Eigen::Vector2d::Ones();

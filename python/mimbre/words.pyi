@@ -404,7 +404,7 @@ class RoadPatches(TypedDict, total=False):
 class Road(TypedDict, total=False):
     # Height over distance, over time, or over a grid of x and y.
     over: Required[Literal["distance", "time", "grid"]]
-    # [m or s, height in m]; a repeated first number is a jump.
+    # [m or s, height in m]; a repeated first number is a jump; level beyond the ends.
     points: Points
     # Period, m or s.
     repeat: Number

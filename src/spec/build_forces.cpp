@@ -1,4 +1,5 @@
 #include "spec/model_builder_parts.h"
+#include "spec/road_height.h"
 
 /// Springs, loads, roads and tyres by names.
 namespace mimbre {
@@ -64,8 +65,7 @@ void ModelBuilder::add_road(const std::string& name, const build::Road& given) {
   if (given.repeat && *given.repeat < length * (1 - 1e-12))
     addition.refuse(fmt::format("repeat {} is shorter than the points reach ({})", *given.repeat, length));
   try {
-    road.height = Function::table(std::move(x), std::move(z), Function::Interpolation::linear);
-    if (given.repeat) road.height = road.height.repeated(road.draw_from, *given.repeat);
+    road.height = road_height(std::move(x), std::move(z), given.repeat);
   } catch (const InputError& error) {  // which does not know of whose points it speaks
     addition.refuse(error.diagnostics().front().message);
   }

@@ -7,8 +7,11 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "forces/magic_formula.h"
+#include "forces/road_surface.h"
 #include "support/models.h"
 #include "support/simulate.h"
 #include "tyre_files/tyre_data.h"
@@ -387,6 +390,45 @@ TEST_P(Tyres, OfTheMagicFormulaKeepTheBalanceOfEnergy) {
   const double start = 0.5 * car.mass() * 225;
   EXPECT_LT(std::abs(s.energy().numerical), 5e-3 * start);
   EXPECT_GT(s.energy().dissipated, 0.005 * start);
+}
+
+/// A hub that is led along at 0.36 m: beyond a bump, and before it, a tyre is pressed in as on a level road.
+TEST_P(Tyres, FeelALevelRoadBeyondAProfile) {
+  const auto pressed = [](const std::string& road) {
+    return simulation_of(fmt::format(R"y(
+gravity: [0, 0, 0]
+bodies: {{hub: {{mass: 1, com: [-1, 0, 0.36], inertia: [1, 1, 1]}}}}
+joints: {{way: {{type: prismatic, between: [ground, hub], at: [-1, 0, 0.36], axis: [1, 0, 0], drive: {{speed: 1}}}}}}
+roads: {{bump: {}}}
+tyres: {{tyre: {{on: hub, at: [-1, 0, 0.36], road: bump, stiffness: 1e5, radius: 0.4}}}}
+outputs: [{{name: force, tyre_force: tyre}}]
+simulation: {{step: 0.125, end: 3}}
+)y",
+                                     road),
+                         GetParam());
+  };
+  // The hub is at x = t − 1.
+  Simulation once = pressed("{over: distance, points: [[0, 0], [0.5, 0.05], [1, 0.01]]}"),
+             again = pressed("{over: distance, points: [[0, 0], [0.5, 0.05], [1, 0.01]], repeat: 1.5}"),
+             rig = pressed("{over: time, points: [[1, 0], [1.5, 0.05], [2, 0.01]]}");
+  using Forces = std::vector<std::pair<double, double>>;  // by time
+  for (const auto& [time, force] : Forces{{0.5, 4000}, {1, 4000}, {1.5, 9000}, {2.25, 5000}, {2.75, 5000}})
+    for (Simulation* s : {&once, &rig}) {
+      run_to(*s, time);
+      EXPECT_NEAR(channel(*s, "force"), force, 1e-6) << time;
+    }
+  for (const auto& [time, force] :
+       Forces{{0.25, 7000}, {0.75, 5000}, {1, 4000}, {1.5, 9000}, {2.25, 5000}, {2.75, 6500}}) {
+    run_to(again, time);
+    EXPECT_NEAR(channel(again, "force"), force, 1e-6) << time;
+  }
+  // Half of a footprint over the foot of the bump: the mean is that of a triangle, the slope half the bump's.
+  const RoadData& road = once.model().compiled().roads.front();
+  const roads::Height foot = roads::height(road, 0.1, 0, 0), end = roads::height(road, 0.1, 1, 0);
+  EXPECT_NEAR(foot.z, 0.0025, 1e-15);
+  EXPECT_NEAR(foot.x, 0.05, 1e-14);
+  EXPECT_NEAR(end.z, 0.01 + 0.002, 1e-15);
+  EXPECT_NEAR(end.x, -0.04, 1e-14);
 }
 
 INSTANTIATE_TEST_SUITE_P(BothFormulations, Tyres,

@@ -209,6 +209,35 @@ TEST(ModelFile, LoadsRoadsAndTyres) {
   EXPECT_EQ(model.frames.at(static_cast<std::size_t>(model.tyres[0].frame)).name, "arm");
 }
 
+/// A profile is as high beyond its ends as at them, also where it repeats with a gap.
+TEST(ModelFile, RoadsAreLevelBeyondTheirPoints) {
+  const auto model = parse("bodies:\n" + arm +
+                           "roads:\n  bump: {over: distance, points: [[0, 0], [0.5, 0.05], [1, 0.02]]}\n"
+                           "  rig: {over: time, points: [[0.5, 0.1], [1, 0.2]]}\n"
+                           "  gap: {over: distance, points: [[0, 0], [1, 0.1]], repeat: 2}\n"
+                           "  none: {over: distance, points: [[0.1, 0], [0.2, 0.1], [0.3, 0]], repeat: 0.2}\n"
+                           "  jumps: {over: distance, points: [[0, 1], [0, 0], [1, 0.1], [1, 0.3]]}\n");
+  const auto height = [&](std::size_t road, double x) { return model.roads.at(road).height.value(x); };
+  EXPECT_EQ(height(0, -0.25), 0);
+  EXPECT_EQ(height(0, -100), 0);
+  EXPECT_NEAR(height(0, 0.25), 0.025, 1e-15);
+  EXPECT_NEAR(height(0, 0.75), 0.035, 1e-15);
+  EXPECT_EQ(height(0, 1.25), 0.02);
+  EXPECT_EQ(height(0, 100), 0.02);
+  EXPECT_EQ(height(1, 0), 0.1);
+  EXPECT_EQ(height(1, 9), 0.2);
+  for (const double turn : {-4.0, 0.0, 2.0}) {
+    EXPECT_NEAR(height(2, turn + 0.5), 0.05, 1e-14) << turn;
+    EXPECT_EQ(height(2, turn + 1.01), 0.1) << turn;
+    EXPECT_EQ(height(2, turn + 1.99), 0.1) << turn;
+    EXPECT_NEAR(height(3, 0.1 * turn + 0.15), 0.05, 1e-14) << turn;
+  }
+  EXPECT_EQ(height(4, -1), 1);
+  EXPECT_EQ(height(4, 2), 0.3);
+  // Over what does not change nothing is added.
+  EXPECT_NEAR(model.roads[0].height.antiderivative(3) - model.roads[0].height.antiderivative(1), 0.04, 1e-15);
+}
+
 const std::string leg_template =
     "subsystems:\n  side:\n    parameters: {m: 2}\n    bodies:\n"
     "      leg: {mass: m, com: [0.1, 0.2, 0.3], inertia: [3, 2, 4, 0.1, 0.2, 0.3], frame: {at: [0.3, 0.1, "

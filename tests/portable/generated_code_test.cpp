@@ -511,7 +511,7 @@ simulation: {step: 2 ms}
   EXPECT_GT(deepest, 1e-3);
 }
 
-/// A braked wheel that leans and goes askew.
+/// A braked wheel that leans and goes askew, over a rise and beyond the road's points.
 TEST(GeneratedCode, ShowsWhatTyresDo) {
   const auto model = model_of(R"yaml(
 bodies:
@@ -520,7 +520,7 @@ bodies:
 joints:
   way: {type: prismatic, between: [ground, hub], at: [0, 0, 0.31], axis: [0.98, 0.1, -0.01], velocity: 9}
   turn: {type: revolute, between: [hub, wheel], at: [0, 0, 0.31], axis: [0, 1, 0.1], velocity: 27, spring: {damping: 3}}
-roads: {field: {over: distance, points: [[-9, 0], [90, 0]]}}
+roads: {field: {over: distance, points: [[-9, 0], [0.5, -0.004], [1, 0.01]]}}
 tyres:
   tyre:
     {on: wheel, at: [0, 0, 0.31], axis: [0, 1, 0.1], road: field, model: brush, stiffness: 2e5, damping: 500, radius: 0.32,

@@ -219,6 +219,18 @@ ModelBuilder suspension(const spec::Model& read) {
   return m;
 }
 
+TEST(ModelBuilder, RoadsAreLevelBeyondTheirPoints) {
+  ModelBuilder m;
+  m.add_body("b", {.mass = 1, .inertia = build::inertia(1, 1, 1)});
+  m.add_road("bump", {.points = {{0, 0}, {0.5, 0.05}, {1, 0.02}}});
+  m.add_road("gap", {.points = {{0, 0}, {1, 0.1}}, .repeat = 2});
+  const std::vector<spec::Road> roads = m.build().roads;
+  EXPECT_EQ(roads[0].height.value(-3), 0);
+  EXPECT_EQ(roads[0].height.value(3), 0.02);
+  EXPECT_EQ(roads[1].height.value(-0.5), 0.1);
+  EXPECT_NEAR(roads[1].height.value(2.5), 0.05, 1e-15);
+}
+
 TEST(ModelBuilder, MakesTheSuspensionOfTheModelFile) {
   const auto read = example("iltis/suspension.yaml");
   const auto built = suspension(read->spec()).compile();

@@ -11,6 +11,7 @@
 #include "model_file/sections/surface_files.h"
 #include "model_file/text/builder.h"
 #include "model_file/text/file_reader.h"
+#include "spec/road_height.h"
 #include "tyre_files/magic_numbers.h"
 
 /// Roads, and tyres on them.
@@ -57,15 +58,13 @@ void read_profile(Builder& builder, const Part& part, const Fields& fields, spec
   road.draw_from = table->first.front();
   road.draw_to = table->first.back();
   const double length = road.draw_to - road.draw_from;
-  road.height =
-      Function::table(std::move(table->first), std::move(table->second), Function::Interpolation::linear);
+  std::optional<double> period;
   if (const auto repeat = fields.get("repeat")) {
-    const auto period = repeat->positive(along);
-    if (!period) return;
-    if (*period < length * (1 - 1e-12))
+    period = repeat->positive(along);
+    if (period && *period < length * (1 - 1e-12))
       return repeat->error(fmt::format("{} is shorter than the points reach ({})", *period, length));
-    road.height = road.height.repeated(road.draw_from, *period);
   }
+  road.height = road_height(std::move(table->first), std::move(table->second), period);
 }
 
 void read_road(Builder& builder, const Part& part, const Value& value, spec::Road& road) {
