@@ -206,6 +206,10 @@ void find_scales(Compiled& m) {
   m.length_scale = lengths.empty() ? length_between_points(m) : robust_mean(lengths);
   for (ElementData& e : m.elements)
     if (e.measure == Measure::contact && !e.pooled) e.struck_mass = struck_mass(m, e);
+  for (const SwarmData& swarm : m.swarms) {
+    const double mass = struck_mass(m, swarm);
+    for (int k = swarm.first; k < swarm.last; ++k) m.elements[k].struck_mass = mass;
+  }
 
   const BodyResistances resistances(m);
   const double mass = m.mass_scale, angle = m.length_scale * m.length_scale;

@@ -45,11 +45,26 @@ double struck_mass(const Compiled& m, const ElementData& e) {
 }
 
 double struck_mass(const Compiled& m, const SwarmData& swarm) {
-  double mass = std::numeric_limits<double>::infinity();
-  for (const SwarmSphere& sphere : swarm.spheres)
-    if (const int body = m.frames[sphere.frame].body; body >= 0 && m.bodies[body].mass > 0)
-      mass = std::min(mass, m.bodies[body].mass);
-  return 0.5 * mass;
+  if (swarm.first == swarm.last) return std::numeric_limits<double>::infinity();
+  const double stiffness = m.numbers[m.elements[swarm.first].numbers];
+  // Spheres of one body are no pair: the lightest of all, and the lightest of the other bodies.
+  double first = -1, second = -1;
+  int body = -1;
+  for (const SwarmSphere& sphere : swarm.spheres) {
+    const FrameData& frame = m.frames[sphere.frame];
+    const double light = lightness(m, frame, stiffness);
+    if (first < 0 || frame.body == body) {
+      first = std::max(first, light);
+      body = frame.body;
+    } else if (light > first) {
+      second = first;
+      first = light;
+      body = frame.body;
+    } else {
+      second = std::max(second, light);
+    }
+  }
+  return second < 0 ? std::numeric_limits<double>::infinity() : 1 / (first + second);
 }
 
 }  // namespace mimbre

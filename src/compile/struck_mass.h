@@ -7,8 +7,7 @@ namespace mimbre {
 /// their turning and their modes, as a mean over the directions.
 double struck_mass(const Compiled& model, const ElementData& element);
 
-/// The least mass that an impact of two spheres of a swarm moves, kg: half of its lightest body's. Infinite
-/// where none has a mass.
+/// The least of these of all pairs of a swarm's spheres. Infinite where there are none.
 double struck_mass(const Compiled& model, const SwarmData& swarm);
 
 }  // namespace mimbre

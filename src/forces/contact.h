@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "compile/slow_speeds.h"
-#include "compile/struck_mass.h"
 #include "forces/contact_states.h"
 #include "forces/element.h"
 #include "forces/element_ends.h"
@@ -303,8 +302,7 @@ struct Contact {
     p[slow] = slow_impact(m, e, p[stiffness], p[exponent], p[depth]);
     if (p[stribeck] == by_scales) p[stribeck] = p[slow];
     if (m.spec().contacts[e.spec].numbers[settling] < by_scales) return;
-    const double struck = e.pooled ? struck_mass(m, m.swarms[e.spec]) : e.struck_mass,
-                 mass = struck < by_scales ? struck : m.mass_scale;
+    const double mass = e.struck_mass < by_scales ? e.struck_mass : m.mass_scale;
     p[settling] = std::min(p[settling], 2 * damping_ratio * std::sqrt(mass / (p[tangential] * p[stiffness])));
   }
   static bool resists_turning(std::span<const double> n) {

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "dynamics/natural/system.h"
@@ -170,6 +171,40 @@ TEST_P(Swarm, MovesAsAllPairsDo) {
       EXPECT_NEAR(channel(swarm, "contact.balls.normal"), channel(pairs, "contact.balls.normal"), 1e-2)
           << end;
     }
+  }
+}
+
+/// Of two balls that collide off-centre, and a light one far away, each of the latter on an arm of its body.
+TEST_P(Swarm, SettlesAsAllPairsDo) {
+  const auto collide = [](bool swarm) {
+    Simulation s = simulation_of(fmt::format(R"y(
+gravity: [0, 0, 0]
+bodies:
+  a: {{mass: 1, com: [0, 0, 0], inertia: [0.001, 0.001, 0.001]}}
+  b: {{mass: 1, com: [0.105, 0, 0.02], inertia: [0.001, 0.001, 0.001]}}
+  c: {{mass: 0.1, com: [5, 0, 0], inertia: [1e-4, 1e-4, 1e-4]}}
+joints: {{ja: {{type: floating, between: [ground, a], at: [0, 0, 0], velocity: [1, 0, 0, 0, 5, 3]}}}}
+contacts:
+  balls:
+    spheres: [{{on: a, radius: 0.05}}, {{on: b, radius: 0.05}}, {{on: c, at: [5, 0, 0.05], radius: 0.002}}]
+    among: true
+    swarm: {}
+    stiffness: 1e5
+    restitution: 0.6
+    friction: 0.4
+outputs: [{{name: vy, velocity: b, component: y}}, {{name: vz, velocity: b, component: z}},
+  {{name: wy, angular_velocity: b, component: y}}, {{name: wz, angular_velocity: b, component: z}}]
+simulation: {{step: 2e-5, end: 0.02, substeps: 1}}
+)y",
+                                             swarm),
+                                 GetParam());
+    run_to(s, 0.02);
+    return std::array{channel(s, "vy"), channel(s, "vz"), channel(s, "wy"), channel(s, "wz")};
+  };
+  const auto one = collide(true), other = collide(false);
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    EXPECT_GT(std::abs(other[k]), 1e-4) << k;
+    EXPECT_NEAR(one[k], other[k], 1e-7 * std::abs(other[k])) << k;
   }
 }
 
