@@ -205,6 +205,49 @@ std::optional<Attachment> resolve_attachment(Builder& builder, const Part& part,
   return {};
 }
 
+namespace {
+
+/// Items of that name whose places are frames called ITEM.`end`.
+std::vector<std::string> items_with_places(const Builder& builder, const std::string& item,
+                                           const std::string& end) {
+  std::vector<const Names*> kinds;
+  if (end == "frame")
+    kinds = {&builder.load_names, &builder.tyre_names};
+  else if (end == "a" || end == "b")
+    kinds = {&builder.joint_names, &builder.constraint_names, &builder.spring_names};
+  else if (end == "output" || end == "reference")
+    kinds = {&builder.output_names};
+  for (const auto& [section, names] : builder.element_names) kinds.push_back(&names);
+  std::vector<std::string> found;
+  for (const Names* names : kinds)
+    if (names->index.contains(item)) found.push_back(fmt::format("{} '{}'", names->kind, item));
+  return found;
+}
+
+/// The frame of an item's place, ITEM.frame for example: who clashes says it by the items, as nobody named
+/// the frame.
+void claim_place(Builder& builder, const Part& part, const std::string& name, const Mark& mark, int frame) {
+  const auto dot = name.rfind('.');
+  const auto found = dot == std::string::npos
+                         ? std::vector<std::string>()
+                         : items_with_places(builder, name.substr(0, dot), name.substr(dot + 1));
+  if (!builder.frame_names.index.contains(name) || found.empty()) {
+    builder.claim(builder.frame_names, part, name, mark, frame);
+    return;
+  }
+  if (found.size() > 1)
+    builder.errors.add(
+        mark, fmt::format("{} and {} both have a frame '{}' at their place; rename one of them", found[0],
+                          found[1], name));
+  else
+    builder.errors.add(
+        mark, fmt::format("{} has a frame '{}' at its place, but {} '{}' is there already; rename one "
+                          "of them",
+                          found[0], name, builder.body_names.index.contains(name) ? "body" : "frame", name));
+}
+
+}  // namespace
+
 int attach(Builder& builder, const Part& part, const Value& value, const std::optional<Value>& at,
            const std::string& new_name) {
   const auto found = resolve_attachment(builder, part, value);
@@ -226,7 +269,7 @@ int attach(Builder& builder, const Part& part, const Value& value, const std::op
   }
   const int frame = builder.add_frame_at(new_name, found->body, position,
                                          builder.body_pose(found->body).rotation, at ? *at : value);
-  builder.claim(builder.frame_names, part, new_name, value.mark(), frame);
+  claim_place(builder, part, new_name, value.mark(), frame);
   return frame;
 }
 
