@@ -125,6 +125,7 @@ struct LinearCore::Impl {
     }
     if (m.signals.clock >= 0) held[static_cast<std::size_t>(m.signals.clock)] = Dual(s.time);
     work.signals.enter(held.data(), states.data(), 0);
+    work.signals.moves = false;
     work.signals.numbers = numbers.data();
     relative::set_origin<Dual>(m, work, q.data());
     find_elements();

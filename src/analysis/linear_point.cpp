@@ -27,13 +27,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 void commit(const Compiled& m, relative::RelativeSystem& system, State& s) {
-  system.enter(s.u.data(), s.z.data(), 0);
+  system.enter_rest(s.u.data(), s.z.data());
   system.begin_step(s.q.data());
   system.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
   VectorXd generalised(m.velocities);
   relative::forces(m, system.workspace(), s.time, s.q.data(), s.v.data(), s.a.data(), generalised.data());
   commit_signals(m, system, s);
-  system.enter(s.u.data(), s.z.data(), 0);
+  system.enter_rest(s.u.data(), s.z.data());
 }
 
 namespace {
@@ -179,7 +179,7 @@ PointState state_of(const Compiled& m, relative::RelativeSystem& system, const L
     if (can_rest(system, s)) {
       // What the search puts straight, such as carcasses, it has to see.
       State found = s;
-      system.enter(found.u.data(), found.z.data(), 0);
+      system.enter_rest(found.u.data(), found.z.data());
       std::optional<StaticsStatus> status;
       try {
         status = equilibrium(nullptr, system, found);
@@ -191,7 +191,7 @@ PointState state_of(const Compiled& m, relative::RelativeSystem& system, const L
         found.a.setZero();
         return {found, "equilibrium", {}};
       }
-      system.enter(s.u.data(), s.z.data(), 0);
+      system.enter_rest(s.u.data(), s.z.data());
       if (at == At::equilibrium) throw std::runtime_error(explain_imbalance(m, nullptr, *status));
     } else if (at == At::equilibrium) {
       throw std::runtime_error(fmt::format(
@@ -200,7 +200,7 @@ PointState state_of(const Compiled& m, relative::RelativeSystem& system, const L
   }
   const bool moves = system.scales().of_coordinates(s.v.data()) > 0 || !can_rest(system, s);
   if (at == At::automatic && !moves) {
-    system.enter(s.u.data(), s.z.data(), 0);
+    system.enter_rest(s.u.data(), s.z.data());
     return out;
   }
   State steady = s;
@@ -210,7 +210,7 @@ PointState state_of(const Compiled& m, relative::RelativeSystem& system, const L
         "no steady motion was found near the start: no positions in which the velocities of the start stay. "
         "Give "
         "initial velocities that can last, or use the point 'start' or a time");
-  system.enter(s.u.data(), s.z.data(), 0);
+  system.enter_rest(s.u.data(), s.z.data());
   return out;
 }
 

@@ -21,7 +21,7 @@ class OutputsNearPoint {
  public:
   explicit OutputsNearPoint(const linear::Linearised& at)
       : at_(at), m_(at.model->compiled()), system_(m_), channels_(m_), state_(at.state), r_(m_.velocities) {
-    system_.enter(at_.state.u.data(), at_.state.z.data(), 0);
+    system_.enter_rest(at_.state.u.data(), at_.state.z.data());
     system_.begin_step(at_.state.q.data());
     for (const spec::Output& o : m_.spec().outputs) outputs_.emplace_back(m_, o);
   }
@@ -45,7 +45,7 @@ class OutputsNearPoint {
       if (const Eigen::Index p = column - r.first_state(); p >= 0)
         vary(at_.parameters[static_cast<std::size_t>(p)], by);
     }
-    system_.enter(state_.u.data(), state_.z.data(), 0);
+    system_.enter_rest(state_.u.data(), state_.z.data());
     system_.residual(state_.time, state_.q.data(), state_.v.data(), state_.a.data(),
                      state_.multipliers.data(), 0, r_.data());
     VectorXd out(std::ssize(outputs_));

@@ -40,8 +40,10 @@ class System {
   /// point.
   virtual void begin_step(const double* q) = 0;
   /// What evaluations take from now on as held inputs (State::u) and as the states of force elements at
-  /// the start of a step of that length (State::z; 0: at rest). Both have to stay where they are.
+  /// the start of a step of that length (State::z; 0: at its start). Both have to stay where they are.
   virtual void enter(const double* held, const double* states, double step) = 0;
+  /// The same with a step of 0 where time stands still: what signals change by time is no motion.
+  virtual void enter_rest(const double* held, const double* states) = 0;
   /// From now on evaluations are with SignalValues::holds, or no longer. False: nothing in the model heeds
   /// that.
   virtual bool hold_sticking(bool on) = 0;

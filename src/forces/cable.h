@@ -12,8 +12,8 @@ namespace mimbre::forces {
 namespace cable {
 /// Among the law's numbers. `rest_number`: the length without tension, where no signal sets it.
 constexpr int stiffness = 0, damping = 1, rest_number = 4;
-/// States: the length without tension, and the length, at the start of the step.
-constexpr int rest_before = 0, length_before = 1;
+/// States: the length without tension, the length, and the rate of the former, at the start of the step.
+constexpr int rest_before = 0, length_before = 1, reeled_before = 2;
 /// A winch does not reel in more than all but this share of the length that the cable begins with.
 constexpr double least_rest = 1e-3;
 
@@ -23,6 +23,16 @@ T rest_now(const LawContext<T>& c) {
   if (!c.has_arguments()) return p[rest_number];
   const T requested = c.argument(0), least = least_rest * p[rest_number];
   return select(requested > least, requested, least);
+}
+
+/// The rate of the length without tension: the mean over the step. Where a step begins, that of the signal;
+/// the mean over the step before where the signal's is not known.
+template <class T>
+T reeled_now(const LawContext<T>& c, const T& rest, const T* before) {
+  if (!c.has_arguments()) return T(0);
+  if (c.step > 0) return (rest - before[rest_before]) / c.step;
+  const T least = least_rest * c.numbers()[rest_number];
+  return select(c.argument(0) > least, c.argument_rate(0, before[reeled_before]), T(0));
 }
 
 inline double stored(double ea, double length, double rest) {
@@ -38,7 +48,7 @@ void cable_law(const LawContext<T>& c, ElementState<T>& s) {
   const T* before = c.states + c.element.own_states;
   const T rest = rest_now(c), k = p[stiffness] / rest, none(0);
   const T elongation = s.x[0] - rest;
-  const T reeled = c.step > 0 ? T((rest - before[rest_before]) / c.step) : none;
+  const T reeled = reeled_now(c, rest, before);
   const T elastic = select(elongation > none, T(k * elongation), none);
   const T damped = p[damping] * (s.v[0] - reeled);
   const auto taut = elastic > none, over = damped > elastic, under = damped < -elastic;
@@ -48,6 +58,7 @@ void cable_law(const LawContext<T>& c, ElementState<T>& s) {
   T* next = s.states + c.element.own_states;
   next[rest_before] = rest;
   next[length_before] = s.x[0];
+  next[reeled_before] = reeled;
 }
 
 /// A winch puts in what its change of the length stores, and what the damper takes of that. At a step of 0 s
@@ -93,7 +104,7 @@ struct Cable {
                                 .numbers = numbers,
                                 .arguments = 1,
                                 .optional = true,
-                                .states = 2,
+                                .states = 3,
                                 .fault = fault,
                                 .derived = derived};
 

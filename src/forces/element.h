@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cmath>
 #include <initializer_list>
 #include <type_traits>
 
@@ -91,7 +92,8 @@ struct LawContext {
   const T* states;   ///< of this element at the start of the step
   double step;       ///< s; 0: a position at rest, in which what relaxes has relaxed
   const T* all_numbers = numbers_of<T>(model);
-  T holds = T(0);  ///< 1: what sticks as the step begins sticks (SignalValues::holds)
+  T holds = T(0);            ///< 1: what sticks as the step begins sticks (SignalValues::holds)
+  const T* rates = nullptr;  ///< of all slots that time and inputs alone decide; null: time stands still
 
   const T* numbers() const { return all_numbers + element.numbers; }
   const FunctionData& function(int k) const { return model.functions[element.functions + k]; }
@@ -102,6 +104,14 @@ struct LawContext {
   }
   bool has_arguments() const { return element.argument_count > 0; }
   T argument(int k) const { return signals[model.arguments[element.arguments + k]]; }
+  /// The argument's rate, 0 where time stands still. `otherwise`: where it is not known.
+  T argument_rate(int k, const T& otherwise) const {
+    using std::abs;
+    const int slot = model.arguments[element.arguments + k];
+    if (!rates) return T(0);
+    if (slot >= model.signals.first_moving) return otherwise;
+    return select(abs(rates[slot]) < T(1e300), rates[slot], otherwise);
+  }
 };
 
 /// The energy of an element: what it stores, J, and those parts of its force against each component whose

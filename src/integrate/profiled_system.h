@@ -28,6 +28,7 @@ class ProfiledSystem final : public System {
   void enter(const double* held, const double* states, double step) override {
     system_.enter(held, states, step);
   }
+  void enter_rest(const double* held, const double* states) override { system_.enter_rest(held, states); }
   void set_rate_time(double time) override { system_.set_rate_time(time); }
   void residual(double t, const double* q, const double* v, const double* a, const double* multipliers,
                 double factor, double* r) override {

@@ -175,7 +175,7 @@ class SparseSearch {
     s.v.setZero(n);
     s.a.setZero(n);
     s.algorithmic.setZero(n);
-    system.enter(s.u.data(), s.z.data(), 0);
+    system.enter_rest(s.u.data(), s.z.data());
     system.begin_step(s.q.data());
     Matrix mass = scaled_.mass(s.q, multipliers_);
     const VectorXd diagonal = mass.diagonal().cwiseAbs();

@@ -250,7 +250,7 @@ MatrixXd EquilibriumSearch::permitted_motions() {
 }
 
 void EquilibriumSearch::begin() {
-  system_.enter(s_.u.data(), s_.z.data(), 0);
+  system_.enter_rest(s_.u.data(), s_.z.data());
   system_.begin_step(s_.q.data());
   const VectorXd r = forces(s_.q, zero_);
   mass_ = mass_matrix(r);

@@ -6,7 +6,15 @@ namespace mimbre {
 
 template <class T>
 LawContext<T> law_context(const Compiled& m, const ElementData& e, const SignalValues<T>& s) {
-  return {m, e, s.time, s.value.data(), s.states + e.states, s.step, s.numbers, s.holds};
+  return {m,
+          e,
+          s.time,
+          s.value.data(),
+          s.states + e.states,
+          s.step,
+          s.numbers,
+          s.holds,
+          s.moves ? s.rate.data() : nullptr};
 }
 
 /// Force and tangents of an element where it measures what its state has, with those of a feedback of its

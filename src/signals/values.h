@@ -39,6 +39,7 @@ struct SignalValues {
   const T* states = nullptr;             ///< State::z of force elements, at the start of the step
   const T* numbers = nullptr;            ///< Compiled::numbers of laws
   double step = 0;                       ///< s, that is made from there; 0: none
+  bool moves = true;                     ///< time goes on: rates count
   /// 1: friction that sticks as the step begins goes on sticking, beyond its limit too: of the first iterate
   /// of a step alone, the elastic predictor of plasticity.
   T holds = T(0);
@@ -58,6 +59,7 @@ struct SignalValues {
     held = from_held;
     states = from_states;
     step = of_step;
+    moves = true;
     time = std::numeric_limits<double>::quiet_NaN();
   }
 };

@@ -34,6 +34,22 @@ TEST(Statics, IltisOnTheFlatRoad) {
   EXPECT_LT(r.residual, 1e-3);
 }
 
+/// In an equilibrium time stands still: the winch's speed is none of the damper's.
+TEST(Statics, AWinchIsAtRest) {
+  for (const char* formulation : {"relative", "natural"}) {
+    const StaticResult r = static_equilibrium(model_of(fmt::format(R"y(
+bodies: {{load: {{mass: 10, com: [0, 0, 0], inertia: [1, 1, 1]}}}}
+joints: {{guide: {{type: prismatic, between: [ground, load], at: [0, 0, 0], axis: [0, 0, 1]}}}}
+cables: {{hoist: {{over: [ground, load], at: [[0, 0, 3], [0, 0, 0]], axial_stiffness: 5e4, damping: 500, length: "2.99 - 0.2*t"}}}}
+outputs: [{{name: z, joint: guide}}]
+simulation: {{formulation: {}}}
+)y",
+                                                                   formulation)));
+    EXPECT_NEAR(value(r, "z"), 0.01 - 98.1 * 2.99 / 5e4, 1e-9) << formulation;
+    EXPECT_NEAR(value(r, "cable.hoist.force"), -98.1, 1e-4) << formulation;
+  }
+}
+
 std::string cantilever(const std::string& gravity, const std::string& load) {
   return "gravity: " + gravity + R"(
 materials: {steel: {young: 2.1e11, poisson: 0.3, density: 7850}}

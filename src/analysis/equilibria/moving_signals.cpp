@@ -62,7 +62,7 @@ std::vector<std::string> moving_signals(const Compiled& m, relative::RelativeSys
   }
   s = rest;
   values(0);
-  system.enter(rest.u.data(), rest.z.data(), 0);
+  system.enter_rest(rest.u.data(), rest.z.data());
   return names;
 }
 

@@ -50,7 +50,7 @@ struct PathEquations::Loaded {
     const int n = system.velocities();
     const VectorXd zero = VectorXd::Zero(n), none = VectorXd::Zero(system.equations());
     VectorXd r(n);
-    system.enter(s.u.data(), s.z.data(), 0);
+    system.enter_rest(s.u.data(), s.z.data());
     system.begin_step(s.q.data());
     system.residual(s.time, s.q.data(), zero.data(), zero.data(), none.data(), 0, r.data());
     return r;
@@ -123,7 +123,7 @@ bool PathEquations::move(State& s, const VectorXd& step) {
   system.retract(s.q.data(), by.data(), q.data());
   s.q = q;
   if (system.equations() == 0) return s.q.allFinite();
-  system.enter(s.u.data(), s.z.data(), 0);
+  system.enter_rest(s.u.data(), s.z.data());
   system.begin_step(s.q.data());
   return close_positions(system, s.time, scale_, s.q) <= closed_path_loops && s.q.allFinite();
 }

@@ -15,6 +15,7 @@ AtRest sample_at_rest(const Compiled& m, relative::RelativeSystem& system, State
   const auto evaluate = [&] {
     system.residual(s.time, s.q.data(), s.v.data(), s.a.data(), s.multipliers.data(), 0, r.data());
   };
+  system.enter_rest(s.u.data(), s.z.data());
   evaluate();
   meter.start(system, s);
   evaluate();

@@ -132,7 +132,7 @@ void find_reach(const std::vector<SeenBody>& bodies, BodyShapes& mode) {
 class BodyRates {
  public:
   explicit BodyRates(const linear::Linearised& at) : at_(at), m_(at.model->compiled()), system_(m_) {
-    system_.enter(at.state.u.data(), at.state.z.data(), 0);
+    system_.enter_rest(at.state.u.data(), at.state.z.data());
     system_.begin_step(at.state.q.data());
     none_ = rates(VectorXd::Zero(m_.velocities));
   }

@@ -107,7 +107,7 @@ std::string coordinate_words(const Compiled& m, int coordinate) {
 ModeShares::ModeShares(const Linearised& at)
     : at_(at), m_(at.model->compiled()), system_(m_), generalised_(m_.velocities) {
   const State& s = at.state;
-  system_.enter(s.u.data(), s.z.data(), 0);
+  system_.enter_rest(s.u.data(), s.z.data());
   system_.begin_step(s.q.data());
   system_.kinematics(s.time, s.q.data(), s.v.data(), s.a.data());
   relative::forces(m_, system_.workspace(), s.time, s.q.data(), s.v.data(), s.a.data(), generalised_.data());

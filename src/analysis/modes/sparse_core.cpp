@@ -44,6 +44,7 @@ class NaturalCore {
         mu_(s.multipliers.begin(), s.multipliers.end()) {
     if (m_.signals.clock >= 0) held_[static_cast<std::size_t>(m_.signals.clock)] = Dual(s.time);
     work_.signals.enter(held_.data(), states_.data(), 0);
+    work_.signals.moves = false;
     work_.signals.numbers = numbers_.data();
     for (std::size_t f = 0; f < m_.frames.size(); ++f)
       if (m_.frames[f].body < 0) work_.frames[f] = natural::ground_frame<Dual>(m_.frames[f], l_.origin);

@@ -152,11 +152,11 @@ std::optional<LinearisedModes> sparse_modes(const Linearised& located, int most,
     return {};
   }
   relative::RelativeSystem observer(m);
-  observer.enter(relative.u.data(), relative.z.data(), 0);
+  observer.enter_rest(relative.u.data(), relative.z.data());
   State natural = natural_state(*system, observer, relative);
   natural.v.setZero();
   natural.a.setZero();
-  system->enter(relative.u.data(), relative.z.data(), 0);
+  system->enter_rest(relative.u.data(), relative.z.data());
   find_sparse_multipliers(*system, natural);
   SparseEquations equations;
   try {

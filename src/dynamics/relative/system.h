@@ -33,6 +33,10 @@ class RelativeSystem final : public System {
   void enter(const double* held, const double* states, double step) override {
     work_.signals.enter(held, states, step);
   }
+  void enter_rest(const double* held, const double* states) override {
+    work_.signals.enter(held, states, 0);
+    work_.signals.moves = false;
+  }
   bool hold_sticking(bool on) override {
     work_.signals.holds = on && marks_.sticks() ? 1 : 0;
     return marks_.sticks();
