@@ -139,6 +139,7 @@ class InverseProblem {
   void balance(State& s);
   void find_forces(State& s, InverseDynamics& out, Eigen::Index instant);
   void follow_dynamically(const std::vector<double>& times, const State& start, InverseDynamics& out);
+  void forget(State& s);
   void judge(InverseDynamics& out) const;
   /// Events, and what is evaluated at instants: both happen in runs alone.
   bool acts_at_instants() const {
@@ -316,6 +317,20 @@ void InverseProblem::observe(State& s, InverseDynamics& out, Eigen::Index instan
 }
 
 /// By a run of the model with its drives.
+/// Lets force elements remember, but for their turns, what they do at a start with this motion: friction
+/// slides from there on.
+void InverseProblem::forget(State& s) {
+  if (s.z.size() == 0) return;
+  for (const ElementData& e : m_.elements)
+    if (e.turns < 0) std::copy_n(m_.states.data() + e.states, e.state_count, s.z.data() + e.states);
+  system_.enter(s.u.data(), s.z.data(), 0);
+  forces(s);
+  for (const ElementData& e : m_.elements)
+    std::copy_n(element_state(e, system_.workspace().elements.data()).states, e.state_count,
+                s.z.data() + e.states);
+  system_.enter(s.u.data(), s.z.data(), 0);
+}
+
 /// From `start` on, where the prescribed motion begins.
 void InverseProblem::follow_dynamically(const std::vector<double>& times, const State& start,
                                         InverseDynamics& out) {
@@ -334,6 +349,7 @@ void InverseProblem::follow_dynamically(const std::vector<double>& times, const 
     there.q = start.q;
     there.v = start.v;
     there.a = start.a;
+    there.z = start.z;
     there.started = false;
     if (m_.signals.clock >= 0) there.u[m_.signals.clock] = start.time;
     simulation.restart(there);
@@ -399,15 +415,12 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times, double b
     s = first;
     s.time = begin;
     place(s);
+    if (begin != 0) forget(s);
     follow_dynamically(times, s, out);
     judge(out);
     return out;
   }
   const bool remembers = s.z.size() > 0 || s.u.size() > 0;
-  const auto keep = [&] {
-    commit_signals(m_, system_, s);
-    system_.enter(s.u.data(), s.z.data(), 0);
-  };
   const auto go = [&](double to, Eigen::Index instant) {
     const double h = to - s.time;
     if (h > 0) {
@@ -424,7 +437,10 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times, double b
       observe(s, out, instant);
     else
       forces(s);
-    if (remembers) keep();
+    if (remembers) {
+      commit_signals(m_, system_, s);
+      system_.enter(s.u.data(), s.z.data(), 0);
+    }
   };
   // Far ones in parts, so that turns are counted and loops stay on their branch.
   const auto go_in_parts = [&](double to, Eigen::Index instant) {
@@ -458,13 +474,8 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times, double b
     s = first;
     s.time = begin;
     go(begin, -1);
-  } else if (remembers && begin != 0) {
-    // Friction slides from the beginning on, as at a start with these velocities.
-    for (const ElementData& e : m_.elements)
-      if (e.turns < 0) std::copy_n(m_.states.data() + e.states, e.state_count, s.z.data() + e.states);
-    system_.enter(s.u.data(), s.z.data(), 0);
-    forces(s);
-    keep();
+  } else if (begin != 0) {
+    forget(s);
   }
   for (std::size_t k = 0; k < times.size(); ++k) {
     if (blocks && times[k] > s.time) follow_blocks(times[k]);

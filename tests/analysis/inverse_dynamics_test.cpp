@@ -249,6 +249,44 @@ simulation: {{end: 1, step: 0.001}}
   }
 }
 
+/// A motion without a start of its own is the same whenever its table begins, also where it begins with a
+/// speed: what springs hold starts with it, and friction slides from its first instant on.
+TEST(InverseDynamics, DoesNotDependOnWhenTheTableBegins) {
+  const auto model = model_of(R"(
+gravity: [0, 0, 0]
+bodies:
+  cart: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}
+  load: {mass: 0.5, com: [1, 0, 0], inertia: [1, 1, 1]}
+joints:
+  rail: {type: prismatic, between: [ground, cart], at: [0, 0, 0], axis: [1, 0, 0]}
+  slide: {type: prismatic, between: [cart, load], at: [1, 0, 0], axis: [1, 0, 0], spring: {stiffness: 200}}
+frictions: {f: {joint: rail, force: 1.5}}
+simulation: {end: 1, step: 0.001}
+)");
+  const auto forces = [&](double begin, InverseDynamicsOptions::Flexible flexible) {
+    PrescribedMotion motion;
+    PrescribedMotion::Column c{find_coordinate(model->spec(), "rail"), {}, {}, {}};
+    for (int k = 0; k <= 40; ++k) {
+      const double t = 0.025 * k;
+      motion.time.push_back(begin + t);
+      c.position.push_back(0.3 * std::sin(1.5 * t));
+      c.velocity.push_back(0.45 * std::cos(1.5 * t));
+      c.acceleration.push_back(-0.675 * std::sin(1.5 * t));
+    }
+    motion.columns.push_back(c);
+    InverseDynamicsOptions options;
+    options.flexible = flexible;
+    return VectorXd(inverse_dynamics(model, &motion, options).force.col(0));
+  };
+  for (const auto flexible :
+       {InverseDynamicsOptions::Flexible::dynamic, InverseDynamicsOptions::Flexible::quasistatic}) {
+    const VectorXd at_once = forces(0, flexible);
+    EXPECT_NEAR(at_once[0], 1.5, 1e-6);
+    for (const double begin : {0.5, 20.0})
+      EXPECT_LT((forces(begin, flexible) - at_once).cwiseAbs().maxCoeff(), 1e-6) << begin;
+  }
+}
+
 /// A bending arm: the torque that made its motion comes back, from rest on, where nothing acts yet.
 TEST(InverseDynamics, ReturnsTheTorqueThatMovedAFlexibleArm) {
   const auto text = [](const std::string& more) {

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -12,6 +13,7 @@
 #include "forces/table.h"
 #include "math/restitution.h"
 #include "mimbre/model_file.h"
+#include "mimbre/statics.h"
 #include "support/models.h"
 #include "support/simulate.h"
 
@@ -269,6 +271,27 @@ TEST_P(Elements, ASampledLawIsAskedOnceAStep) {
     EXPECT_EQ(channel(simulation, "user.s.force"), 2.0 + k);
   }
   EXPECT_EQ(*calls - before, 10);
+}
+
+/// In an equilibrium such a law exerts nothing, and it is named.
+TEST(SampledLaws, AreNamedByAnEquilibriumThatTheyDoNotActIn) {
+  spec::Model model = parse_model("mimbre: 1\n" + std::string(slider), "slider.yaml", ".");
+  auto law = std::make_shared<spec::UserLaw>();
+  law->sampled = true;
+  law->evaluate = [](spec::LawCall& call) { call.force[0] = 5; };
+  spec::Element element;
+  element.name = "push";
+  element.law = "user";
+  element.on = spec::Element::On::coordinate;
+  element.joint = 0;
+  element.user = law;
+  model.elements.push_back(element);
+  model.gravity.setZero();
+  model.simulation.start_at_equilibrium = true;
+  const auto compiled = Model::compile(model);
+  const auto named = testing::Contains(testing::HasSubstr("'push' exerts no force in an equilibrium"));
+  EXPECT_THAT(static_equilibrium(compiled).warnings, named);
+  EXPECT_THAT(Simulation(compiled, {}).warnings(), named);
 }
 
 /// What a law that is sampled throws leaves the step, which is not made; the next one is as if nothing had

@@ -742,15 +742,15 @@ INSTANTIATE_TEST_SUITE_P(
                     "constraints: {slot: {type: on_line, between: [arm, leg], at: [0, 0, 0], axis: [1, 0, "
                     "0]}}\n"},
         Mistake{"LoadAndTyreOfOneName",
-                10,
+                9,
                 {"load 'w' and tyre 'w' both have a frame 'w.frame' at their place; rename one of them"},
                 sound + "loads: {w: {on: arm, at: [0, 0, 0], force: [0, 0, 1]}}\n"
                         "roads: {track: {over: distance, points: [[0, 0], [5, 1]]}}\n"
                         "tyres: {w: {on: arm, at: [0, 0, 0], road: track, stiffness: 1, radius: 1}}\n"},
         Mistake{"FrameWhereALoadActs",
-                9,
+                8,
                 {"load 'w' has a frame 'w.frame' at its place, but frame 'w.frame' is there already"},
-                sound + "frames: {w.frame: {body: arm, at: [1, 0, 0]}}\n"
+                sound + "  w.frame: {body: arm, at: [1, 0, 0]}\n"
                         "loads: {w: {on: arm, at: [0, 0, 0], force: [0, 0, 1]}}\n"},
         Mistake{
             "FrameWhereAJointEnds",

@@ -136,5 +136,34 @@ simulation: {step: 0.002, end: 2}
 INSTANTIATE_TEST_SUITE_P(BothFormulations, JointOutputs,
                          testing::Values(Formulation::relative, Formulation::natural));
 
+/// A floating joint to a body that another joint carries leaves nothing to hold: it transmits nothing, and
+/// changes nothing.
+TEST(FloatingJoints, BesideOthersTransmitNothing) {
+  const auto text = [](const std::string& floating) {
+    return R"(
+bodies:
+  a: {mass: 1, com: [0.3, 0, 0], inertia: [1, 1, 1]}
+  b: {mass: 1, com: [1, 0.2, 0], inertia: [1, 1, 1]}
+joints:
+  j0: {type: revolute, between: [ground, a], at: [0, 0, 0], axis: [0, 1, 0]}
+)" + floating +
+           R"(  c: {type: revolute, between: [a, b], at: [0.5, 0, 0], axis: [0, 1, 0]}
+outputs: [{name: turn, joint: c}]
+)";
+  };
+  for (const Formulation formulation : {Formulation::relative, Formulation::natural})
+    for (const std::string between : {"ground, b", "a, b", "b, ground"}) {
+      Simulation with = simulation_of(
+                     text("  free: {type: floating, between: [" + between + "], at: [1, 0, 0]}\n"),
+                     formulation, 0.01),
+                 without = simulation_of(text(""), formulation, 0.01);
+      run_to(with, 0.2);
+      run_to(without, 0.2);
+      EXPECT_NEAR(channel(with, "turn"), channel(without, "turn"), 1e-9);
+      for (const char* component : {"force.x", "force.y", "force.z", "moment.x", "moment.y", "moment.z"})
+        EXPECT_EQ(channel(with, std::string("joint.free.") + component), 0) << component;
+    }
+}
+
 }  // namespace
 }  // namespace mimbre::test::joint_outputs_test
