@@ -69,11 +69,7 @@ class Study:
 
     def compiled_with(self, parameters: Mapping[str, Value]) -> dict[str, Value]:
         """Those that need a model of their own; texts, which the model file's rules make numbers of, too."""
-        return {
-            name: value
-            for name, value in parameters.items()
-            if name not in self.live or (isinstance(value, str) and name in self.model.parameters)
-        }
+        return {name: value for name, value in parameters.items() if name not in self.live or isinstance(value, str)}
 
     def __post_init__(self) -> None:
         self._tables, self._functions = _inputs(self.inputs)
@@ -107,9 +103,9 @@ class Study:
         tables = list(self._tables)
         for name, (low, high) in self.live.items():
             value = parameters[name]
-            if isinstance(value, str) and name in self.model.parameters:
+            if isinstance(value, str):
                 continue
-            if isinstance(value, str) or not low <= value <= high:
+            if not low <= value <= high:
                 raise InputError(f"{name}: is {value!r}; a number from {low:g} to {high:g} is needed")
             tables.append((name, [0.0], [float(value)]))
         compiled = self.variant(self.compiled_with(parameters))._compiled
