@@ -138,7 +138,8 @@ class InverseProblem {
   VectorXd forces(const State& s);
   void balance(State& s);
   void find_forces(State& s, InverseDynamics& out, Eigen::Index instant);
-  void follow_dynamically(const std::vector<double>& times, const State& start, InverseDynamics& out);
+  RunOptions run_options(double end) const;
+  void follow_dynamically(Simulation& simulation, const std::vector<double>& times, InverseDynamics& out);
   void forget(State& s);
   void judge(InverseDynamics& out) const;
   /// Events, and what is evaluated at instants: both happen in runs alone.
@@ -316,13 +317,14 @@ void InverseProblem::observe(State& s, InverseDynamics& out, Eigen::Index instan
   out.rows.push_back(rows_.row(system_, s));
 }
 
-/// By a run of the model with its drives.
-/// Lets force elements remember, but for their turns, what they do at a start with this motion: friction
-/// slides from there on.
+/// Lets laws of force elements remember what they do at a start with this motion: friction slides from there
+/// on. Turns stay.
 void InverseProblem::forget(State& s) {
   if (s.z.size() == 0) return;
-  for (const ElementData& e : m_.elements)
-    if (e.turns < 0) std::copy_n(m_.states.data() + e.states, e.state_count, s.z.data() + e.states);
+  for (const ElementData& e : m_.elements) {
+    const int own = e.states + e.own_states;
+    std::copy_n(m_.states.data() + own, e.state_count - e.own_states, s.z.data() + own);
+  }
   system_.enter(s.u.data(), s.z.data(), 0);
   forces(s);
   for (const ElementData& e : m_.elements)
@@ -331,29 +333,19 @@ void InverseProblem::forget(State& s) {
   system_.enter(s.u.data(), s.z.data(), 0);
 }
 
-/// From `start` on, where the prescribed motion begins.
-void InverseProblem::follow_dynamically(const std::vector<double>& times, const State& start,
-                                        InverseDynamics& out) {
+RunOptions InverseProblem::run_options(double end) const {
   RunOptions run;
   run.formulation = spec::Simulation::Formulation::relative;
   run.inputs = options_.inputs;
   if (options_.step > 0) run.step = options_.step;
-  run.end = std::max(times.back(), 1e-9);
+  run.end = std::max(end, 1e-9);
   run.energies = run.validity = run.warnings = false;
-  Simulation simulation(driven_.model, run);
-  // What is free begins there with the motion, not with a jump from a standstill before it. Integrals of
-  // signals go on from 0 s, and so does all with them.
-  if (start.time != simulation.time() && m_.signals.integrals.empty()) {
-    Simulation::Snapshot there = simulation.save();
-    there.time = start.time;
-    there.q = start.q;
-    there.v = start.v;
-    there.a = start.a;
-    there.z = start.z;
-    there.started = false;
-    if (m_.signals.clock >= 0) there.u[m_.signals.clock] = start.time;
-    simulation.restart(there);
-  }
+  return run;
+}
+
+/// By a run of the model with its drives.
+void InverseProblem::follow_dynamically(Simulation& simulation, const std::vector<double>& times,
+                                        InverseDynamics& out) {
   for (std::size_t k = 0; k < times.size(); ++k) {
     while (simulation.time() < times[k] - 1e-12 * times.back()) {
       const double next = simulation.time() + simulation.step_size();
@@ -405,23 +397,13 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times, double b
   if (acts_at_instants() && !runs)
     out.warnings.emplace_back(
         "events do not happen here, and signals with 'every' keep what they are at the start");
-  if (runs) {
-    if (forces_alone)
-      throw InputError(Mark{},
-                       fmt::format("{} independent motion{} are prescribed by nothing, and forces are "
-                                   "looked for along other coordinates than the prescribed ones; take "
-                                   "flexible: quasistatic, or prescribe all motions",
-                                   out.free, out.free > 1 ? "s" : ""));
-    s = first;
-    s.time = begin;
-    place(s);
-    if (begin != 0) forget(s);
-    follow_dynamically(times, s, out);
-    judge(out);
-    return out;
-  }
+  if (runs && forces_alone)
+    throw InputError(Mark{}, fmt::format("{} independent motion{} are prescribed by nothing, and forces are "
+                                         "looked for along other coordinates than the prescribed ones; take "
+                                         "flexible: quasistatic, or prescribe all motions",
+                                         out.free, out.free > 1 ? "s" : ""));
   const bool remembers = s.z.size() > 0 || s.u.size() > 0;
-  const auto go = [&](double to, Eigen::Index instant) {
+  const auto go = [&](double to, Eigen::Index instant, bool balances) {
     const double h = to - s.time;
     if (h > 0) {
       const VectorXd x = h * s.v + 0.5 * h * h * s.a;
@@ -432,7 +414,7 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times, double b
     s.time = to;
     if (remembers) system_.enter(s.u.data(), s.z.data(), h);
     place(s);
-    if (out.free > 0) balance(s);
+    if (balances) balance(s);
     if (instant >= 0)
       observe(s, out, instant);
     else
@@ -443,7 +425,7 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times, double b
     }
   };
   // Far ones in parts, so that turns are counted and loops stay on their branch.
-  const auto go_in_parts = [&](double to, Eigen::Index instant) {
+  const auto go_in_parts = [&](double to, Eigen::Index instant, bool balances) {
     for (int part = 0; part < most_parts_of_way; ++part) {
       double h = to - s.time;
       VectorXd x = h * s.v + 0.5 * h * h * s.a;
@@ -460,26 +442,54 @@ InverseDynamics InverseProblem::solve(const std::vector<double>& times, double b
       }
       const double next = s.time + h;
       if (!(next > s.time && next < to * (1 - 1e-12))) break;
-      go(next, -1);
+      go(next, -1, balances);
     }
-    go(to, instant);
+    go(to, instant, balances);
   };
+  const bool frees = out.free > 0;
+  if (runs) {
+    Simulation simulation(driven_.model, run_options(times.back()));
+    if (begin > simulation.time()) {
+      // What is free begins there with the motion, from where it starts, not with a jump from a standstill.
+      Simulation::Snapshot there = simulation.save();
+      s = first;
+      s.q = there.q;
+      s.z = there.z;
+      s.u = there.u;
+      system_.enter(s.u.data(), s.z.data(), 0);
+      system_.begin_step(s.q.data());
+      place(s);
+      go_in_parts(begin, -1, false);
+      forget(s);
+      there.time = begin;
+      there.q = s.q;
+      there.v = s.v;
+      there.a = s.a;
+      there.z = s.z;
+      there.u = s.u;
+      there.started = false;
+      simulation.restart(there);
+    }
+    follow_dynamically(simulation, times, out);
+    judge(out);
+    return out;
+  }
   // Blocks remember from the beginning on, by steps of the model.
   const bool blocks = m_.signals.clock >= 0;
   const auto follow_blocks = [&](double to) {
     const double from = s.time, parts = std::ceil((to - from) / m_.spec().simulation.step * (1 - 1e-9));
-    for (double k = 1; k < parts; ++k) go_in_parts(from + (to - from) * k / parts, -1);
+    for (double k = 1; k < parts; ++k) go_in_parts(from + (to - from) * k / parts, -1, frees);
   };
   if (blocks && times.front() > begin) {
     s = first;
     s.time = begin;
-    go(begin, -1);
-  } else if (begin != 0) {
+    go(begin, -1, frees);
+  } else if (s.time != 0) {
     forget(s);
   }
   for (std::size_t k = 0; k < times.size(); ++k) {
     if (blocks && times[k] > s.time) follow_blocks(times[k]);
-    go_in_parts(times[k], static_cast<Eigen::Index>(k));
+    go_in_parts(times[k], static_cast<Eigen::Index>(k), frees);
   }
   judge(out);
   if (out.redundant > 0)

@@ -34,7 +34,8 @@ bool Partition::choose(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& r
   for (int c = 0; c < n_; ++c)
     for (int r = 0; r < m_; ++r) lu_(r, c) = row_weight[r] * jacobian(r, c) * column_weight[c];
   for (int r = 0; r < m_; ++r) largest_[r] = n_ > 0 ? lu_.row(r).cwiseAbs().maxCoeff() : 0;
-  if (m_ > 0) largest_ = largest_.cwiseMax(empty * std::max(1.0, largest_.maxCoeff())).eval();
+  const double least = m_ > 0 ? empty * std::max(1.0, largest_.maxCoeff()) : 0;
+  largest_ = largest_.cwiseMax(least);
   const int wanted = rank_;
   rank_ = 0;
   bool sound = true;

@@ -252,8 +252,8 @@ simulation: {{end: 1, step: 0.001}}
 /// A motion without a start of its own is the same whenever its table begins, also where it begins with a
 /// speed: what springs hold starts with it, and friction slides from its first instant on.
 TEST(InverseDynamics, DoesNotDependOnWhenTheTableBegins) {
-  const auto model = model_of(R"(
-gravity: [0, 0, 0]
+  const auto model_with = [](const std::string& more) {
+    return model_of(R"(
 bodies:
   cart: {mass: 1, com: [0, 0, 0], inertia: [1, 1, 1]}
   load: {mass: 0.5, com: [1, 0, 0], inertia: [1, 1, 1]}
@@ -262,8 +262,10 @@ joints:
   slide: {type: prismatic, between: [cart, load], at: [1, 0, 0], axis: [1, 0, 0], spring: {stiffness: 200}}
 frictions: {f: {joint: rail, force: 1.5}}
 simulation: {end: 1, step: 0.001}
-)");
-  const auto forces = [&](double begin, InverseDynamicsOptions::Flexible flexible) {
+)" + more);
+  };
+  const auto forces = [](const std::shared_ptr<const Model>& model, double begin,
+                         InverseDynamicsOptions::Flexible flexible) {
     PrescribedMotion motion;
     PrescribedMotion::Column c{find_coordinate(model->spec(), "rail"), {}, {}, {}};
     for (int k = 0; k <= 40; ++k) {
@@ -278,12 +280,40 @@ simulation: {end: 1, step: 0.001}
     options.flexible = flexible;
     return VectorXd(inverse_dynamics(model, &motion, options).force.col(0));
   };
-  for (const auto flexible :
-       {InverseDynamicsOptions::Flexible::dynamic, InverseDynamicsOptions::Flexible::quasistatic}) {
-    const VectorXd at_once = forces(0, flexible);
-    EXPECT_NEAR(at_once[0], 1.5, 1e-6);
-    for (const double begin : {0.5, 20.0})
-      EXPECT_LT((forces(begin, flexible) - at_once).cwiseAbs().maxCoeff(), 1e-6) << begin;
+  using Flexible = InverseDynamicsOptions::Flexible;
+  const auto level = model_with("gravity: [0, 0, 0]\n"),
+             hanging = model_with("gravity: [9.81, 0, 0]\ninitial: equilibrium\n");
+  EXPECT_NEAR(forces(level, 0, Flexible::dynamic)[0], 1.5, 1e-6);
+  EXPECT_NEAR(forces(hanging, 0, Flexible::dynamic)[0], 1.5 - 1.5 * 9.81, 1e-3);
+  for (const auto& model : {level, hanging})
+    for (const auto flexible : {Flexible::dynamic, Flexible::quasistatic}) {
+      const VectorXd at_once = forces(model, 0, flexible);
+      for (const double begin : {0.5, 20.0})
+        EXPECT_LT((forces(model, begin, flexible) - at_once).cwiseAbs().maxCoeff(), 1e-6) << begin;
+    }
+}
+
+/// A drive's own motion: friction slides against it in the first row too, also on a cut hinge.
+TEST(InverseDynamics, FrictionSlidesFromTheFirstInstantOn) {
+  const auto model = model_of(R"(
+gravity: [0, 0, 0]
+bodies:
+  crank: {mass: 1, com: [0, 0, 0], inertia: [0.01, 0.01, 0.01]}
+joints:
+  crank: {type: revolute, between: [ground, crank], at: [0, 0, 0], axis: [0, 0, 1], drive: {position: sin(t)}}
+  cut: {type: revolute, between: [ground, crank], at: [0, 0, 1], axis: [0, 0, 1], cut: always}
+frictions: {f: {joint: crank, torque: 1.5}, g: {joint: cut, torque: 0.5}}
+simulation: {end: 3, step: 0.001}
+)");
+  InverseDynamicsOptions options;
+  for (const double start : {0.0, 2.5}) {
+    options.start = start;
+    options.end = start + 0.1;
+    options.steps = 10;
+    const InverseDynamics found = inverse_dynamics(model, nullptr, options);
+    for (Eigen::Index k = 0; k <= 10; ++k)
+      EXPECT_NEAR(found.force(k, 0), 0.01 * -std::sin(found.time[k]) + (start > 0 ? -2 : 2), 1e-6)
+          << start << " " << k;
   }
 }
 

@@ -429,8 +429,6 @@ TEST(GeometricStiffnessInMotion, AFastSliderCrankStaysBoundedAsTheStepShrinks) {
   EXPECT_NEAR(run("geometric_stiffness", 2.5e-5, Formulation::natural), reference, 0.02 * reference);
 }
 
-/// A soft beam that sags from a hub which spins up: what stress does is accounted for to the second order
-/// of the step, in both formulations.
 /// A cantilever of 1 m that its weight bends, held at `place` and clamped at its origin.
 std::shared_ptr<const Model> sagging(const std::string& stiffening, double gravity, double place) {
   return model_of(fmt::format(R"(
@@ -488,6 +486,8 @@ TEST(GeometricStiffnessInMotion, SaysWhereABodyIsHeldElsewhereThanClamped) {
   }
 }
 
+/// A soft beam that sags from a hub which spins up: what stress does is accounted for to the second order
+/// of the step, in both formulations.
 TEST(GeometricStiffnessInMotion, EnergyBalanceCloses) {
   const std::string text = R"(
 gravity: [0, 0, -25]

@@ -109,6 +109,10 @@ signals:
   slower: {value: total, every: 0.04}
   there: {value: "back + 1", every: 0.02}
   back: {value: there, every: 0.02}
+  seen: {value: sum_of_both, every: 0.02}
+  sum_of_both: {value: "counted + one"}
+  counted: {value: sum_of_both, every: 0.02}
+  one: {value: "1 + 0*t", every: 0.02}
 )y",
                                             0.01),
                                         GetParam());
@@ -122,6 +126,8 @@ signals:
     EXPECT_NEAR(channel(simulation, "signal.slower"), 4 * (0.04 * (k / 4) + 1), 1e-9);
     EXPECT_EQ(channel(simulation, "signal.there"), instant + 1);
     EXPECT_EQ(channel(simulation, "signal.back"), instant);
+    EXPECT_EQ(channel(simulation, "signal.counted"), instant + 1);
+    EXPECT_EQ(channel(simulation, "signal.seen"), instant + 2);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "compile/signals/compile_blocks.h"
@@ -66,41 +67,49 @@ class Attempt {
   std::vector<SignalNode> path_;
 };
 
-/// Behind what a node takes, those that are evaluated at instants, each once.
-class Chain {
- public:
-  explicit Chain(const spec::Model& model)
-      : m_(model),
-        seen_{std::vector<char>(model.signals.size(), 0), std::vector<char>(model.blocks.size(), 0)} {}
+using NodeMarks = std::array<std::vector<char>, 2>;  ///< of signals, of blocks
 
-  void visit(const SignalNode& node) {
-    if (std::exchange(of(seen_[node.is_block ? 1 : 0], node.index), 1)) return;
-    for (const spec::Source& source : sources_of(m_, node)) {
-      if (source.kind != spec::Source::Kind::signal) continue;
-      SignalNode by{};
-      is_made_within_a_step(m_, source, by);
-      visit(by);
-    }
-    if (is_sampled(node)) order.push_back(node);
+NodeMarks no_marks(const spec::Model& m) {
+  return {std::vector<char>(m.signals.size(), 0), std::vector<char>(m.blocks.size(), 0)};
+}
+
+/// Sets a node's mark and returns what it was.
+bool mark(NodeMarks& marks, const SignalNode& n) {
+  return std::exchange(of(marks[n.is_block ? 1 : 0], n.index), 1) != 0;
+}
+
+/// Puts behind `found` what is evaluated at instants and that a node takes, by way of continuous ones.
+void add_sampled_sources(const spec::Model& m, const SignalNode& node, NodeMarks& seen,
+                         std::vector<SignalNode>& found) {
+  for (const spec::Source& source : sources_of(m, node)) {
+    if (source.kind != spec::Source::Kind::signal) continue;
+    SignalNode by{};
+    const bool continuous = is_made_within_a_step(m, source, by);
+    if (mark(seen, by)) continue;
+    if (continuous)
+      add_sampled_sources(m, by, seen, found);
+    else
+      found.push_back(by);
   }
+}
 
-  std::vector<SignalNode> order;
-
- private:
-  bool is_sampled(const SignalNode& n) const {
-    return (n.is_block ? of(m_.blocks, n.index).every : of(m_.signals, n.index).every) > 0;
-  }
-
-  const spec::Model& m_;
-  std::vector<char> seen_[2];
-};
+void put_behind_sources(const spec::Model& m, const SignalNode& node, NodeMarks& visited,
+                        std::vector<SignalNode>& order) {
+  if (mark(visited, node)) return;
+  NodeMarks seen = no_marks(m);
+  std::vector<SignalNode> sources;
+  add_sampled_sources(m, node, seen, sources);
+  for (const SignalNode& source : sources) put_behind_sources(m, source, visited, order);
+  order.push_back(node);
+}
 
 }  // namespace
 
 std::vector<SignalNode> order_sampled(const spec::Model& m, const std::vector<SignalNode>& sampled) {
-  Chain chain(m);
-  for (const SignalNode& node : sampled) chain.visit(node);
-  return chain.order;
+  NodeMarks visited = no_marks(m);
+  std::vector<SignalNode> order;
+  for (const SignalNode& node : sampled) put_behind_sources(m, node, visited, order);
+  return order;
 }
 
 std::vector<spec::Source> sources_of(const spec::Model& m, const SignalNode& node) {

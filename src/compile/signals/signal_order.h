@@ -27,8 +27,9 @@ bool is_made_within_a_step(const spec::Model& model, const spec::Source& source,
 /// Throws InputError, with the names, where signals need each other in a circle without a state or a delay.
 SignalOrder order_signals(const spec::Model& model);
 
-/// What is evaluated at instants, each behind those that it takes, by way of others too: at one instant a
-/// chain of them has no delay. In a circle the first of `sampled` takes what the last made an instant before.
+/// What is evaluated at instants, each behind those that it takes, by way of continuous signals too: at one
+/// instant a chain of them has no delay. In a circle the first of `sampled` comes last; what it takes is made
+/// of its value of the instant before.
 std::vector<SignalNode> order_sampled(const spec::Model& model, const std::vector<SignalNode>& sampled);
 
 }  // namespace mimbre

@@ -11,6 +11,7 @@ namespace mimbre {
 namespace {
 
 constexpr double redundant = 1e-9;         ///< what an equation adds to others, as a share of its length
+constexpr double moves_no_frame = 1e-9;    ///< of the largest motion of a frame by the modes
 constexpr double bent = 1e-4;              ///< of the forces on modes that the largest wrench has
 constexpr double nearly_redundant = 1e-5;  ///< the same: an angle, or a distance over L, that nobody meant
 
@@ -122,12 +123,15 @@ std::vector<bool> concerned(relative::RelativeSystem& system, const State& s, co
 /// Whether forces on the modes are more than round-off of what a wrench of this size does to them.
 bool bends(const BodyData& b, const ReducedBody& body, double wrench, double length,
            const Eigen::VectorXd& forces) {
-  for (int k = 0; k < b.modes; ++k) {
-    double by_unit = 0;
+  Eigen::VectorXd by_unit = Eigen::VectorXd::Zero(b.modes);
+  for (int k = 0; k < b.modes; ++k)
     for (const BodyFrame& frame : body.frames)
-      by_unit = std::max(by_unit, frame.X.col(k).norm() + length * frame.X_theta.col(k).norm());
-    if (std::abs(forces[b.v + b.joint_velocities + k]) > bent * wrench * by_unit) return true;
-  }
+      by_unit[k] = std::max(by_unit[k], frame.X.col(k).norm() + length * frame.X_theta.col(k).norm());
+  // Modes that move no frame do so by round-off.
+  const double moved = moves_no_frame * by_unit.maxCoeff();
+  for (int k = 0; k < b.modes; ++k)
+    if (std::abs(forces[b.v + b.joint_velocities + k]) > bent * wrench * std::max(by_unit[k], moved))
+      return true;
   return false;
 }
 

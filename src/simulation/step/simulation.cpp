@@ -237,7 +237,8 @@ struct Simulation::Impl {
   }
   /// Of a step that failed: whether the loops' position may be the reason, and what helps.
   std::string singular_position() {
-    const bool near = is_near_singular(mechanism.observer, mechanism.view(), begin.redundancy.equations);
+    const bool near = is_near_singular(mechanism.observer, mechanism.view(),
+                                       begin.redundancy.equations + begin.redundancy.nearly);
     look_anew();
     using Rule = spec::Simulation::Integrator;
     const bool passes = method.integrator != Rule::rk4 && method.integrator != Rule::dopri853 &&
