@@ -379,7 +379,7 @@ TEST(ForceLaws, TangentsAreThoseOfTheForces) {
       }
       if (law == "cable") {
         m.numbers = {40, 3, 0.2, 0, 0.2};
-        e.state_count = 2;
+        e.state_count = 3;
       }
       if (law == "motor") {
         m.numbers = {-2,  0,   0.7, 1.3, round % 3 == 0 ? 0.5 : 1e300, round % 3 == 1 ? 0.6 : 1e300,
