@@ -17,19 +17,19 @@ DenseSystem::DenseSystem(System& system)
   fR_.setZero(n, n);
   reduced_.setZero(n, n);
   row_weight_.resize(m);
+  unit_.setZero(m);
   for (int k = 0; k < m; ++k) row_weight_[k] = std::sqrt(system.penalty()[k]);
   for (Eigen::VectorXd* x : {&row_, &column_weight_, &order_, &balance_, &right_}) x->setZero(n);
 }
 
 void DenseSystem::assemble(const double* q, const MatrixWeights& weights) {
   system_.dense_matrix(q, weights, f_.data());
-  Eigen::VectorXd& unit = right_;
   for (int k = 0; k < system_.equations(); ++k) {
-    unit.setZero(system_.equations());
-    unit[k] = 1;
+    unit_[k] = 1;
     row_.setZero();
-    system_.add_jacobian_transposed(unit.data(), 1, row_.data());
+    system_.add_jacobian_transposed(unit_.data(), 1, row_.data());
     jacobian_.row(k) = row_.transpose();
+    unit_[k] = 0;
   }
 }
 

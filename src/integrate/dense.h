@@ -31,7 +31,7 @@ class DenseSystem {
   Partition partition_;
   Eigen::MatrixXd f_, jacobian_, R_, fR_, reduced_;
   PivotedCholesky ldlt_;
-  Eigen::VectorXd row_, row_weight_, column_weight_, order_, balance_, right_;
+  Eigen::VectorXd row_, row_weight_, column_weight_, order_, balance_, right_, unit_;
 };
 
 }  // namespace mimbre

@@ -193,6 +193,21 @@ TEST_P(Allocation, NoneWithRungeKuttaMethods) {
     }
 }
 
+/// Loops with redundant equations, by the formalisms that choose equations and coordinates in every step.
+TEST_P(Allocation, NoneWithEveryFormalism) {
+  using Formalism = spec::Simulation::Formalism;
+  for (const Formalism formalism : {Formalism::index1, Formalism::baumgarte, Formalism::independent,
+                                    Formalism::penalty, Formalism::index1_augmented})
+    for (const auto& model : {example("bricard/mechanism.yaml"), controlled_four_bar()}) {
+      RunOptions o = options();
+      o.formalism = formalism;
+      o.step = 1e-3;
+      Simulation s(model, o);
+      ASSERT_TRUE(s.step().ok());  // finds how many coordinates are independent
+      EXPECT_EQ(allocations_of(s, 200), 0) << static_cast<int>(formalism);
+    }
+}
+
 /// Held between hinges, so that all that linear modes neglect there is watched.
 TEST_P(Allocation, NoneInTheWatchOverHeldBodies) {
   Simulation s(model_of(R"yaml(
