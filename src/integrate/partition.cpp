@@ -10,7 +10,8 @@ namespace mimbre {
 
 constexpr double redundant = 1e-7;  // pivot, as a share of the equation's largest coefficient
 constexpr double open = 1e-3;       // the same for equations that were redundant at first
-/// Of the largest of all coefficients by their weights, and of 1: an equation has no less, or is round-off.
+/// Of the largest weighted coefficient, or of 1 where that is more: an equation whose own are all smaller is
+/// judged as if it had this one, so that round-off is no equation.
 constexpr double empty = 1e-6;
 constexpr double weak = 0.1;  // pivot, as a share of what it was where the choice was made
 

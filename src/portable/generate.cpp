@@ -478,9 +478,7 @@ class Generator {
     std::string& s = out_.source;
     s += named(
         "typedef struct {\n  int held, values, block, memory, delay, chained;\n  double every;\n} "
-        "@_sampled;\nstatic "
-        "const "
-        "@_sampled @_all_sampled[] = {\n",
+        "@_sampled;\nstatic const @_sampled @_all_sampled[] = {\n",
         name_);
     const std::vector<char> chained = takes_sampled(d);
     for (std::size_t k = 0; k < d.sampled.size(); ++k) {

@@ -361,9 +361,9 @@ std::string explain_sampled_laws(const Compiled& model) {
         names.push_back(name);
   if (names.empty()) return {};
   return fmt::format(
-      "{} exert{} no force in an equilibrium: functions of Python are called at the instants of a run alone, "
-      "and a "
-      "run moves on from there; an expression, or a compiled function, acts in it",
+      "{} exert{} no force in an equilibrium: functions of Python are called in runs only; an expression or "
+      "a "
+      "compiled function acts there",
       fmt::join(names, ", "), names.size() > 1 ? "" : "s");
 }
 
@@ -406,9 +406,8 @@ std::string explain_held_elsewhere(const spec::Model& model, const std::vector<i
   const bool many = names.size() > 1;
   return fmt::format(
       "{} {} with `stiffening: geometric_stiffness` {} held at another place than where {} clamped: once "
-      "bent, "
-      "loads of inertia may take the mass of modes away; clamp {} where joints hold {}, or take `stiffening: "
-      "foreshortening`",
+      "bent, loads of inertia may take the mass of modes away; clamp {} where joints hold {}, or take "
+      "`stiffening: foreshortening`",
       many ? "bodies" : "body", quoted(names), many ? "are" : "is", many ? "they are" : "it is",
       many ? "them" : "it", many ? "them" : "it");
 }
@@ -420,10 +419,8 @@ std::string explain_lost_mass(const Compiled& m, const natural::NaturalSystem* n
     if (m.flexible[static_cast<std::size_t>(b.flexible)].geometric.inertial == 0) return {};
     return fmt::format(
         "loads of inertia that stiffen body '{}' (`stiffening: geometric_stiffness`) take away the mass of "
-        "{}, "
-        "as far as the body is bent, which happens where it is held at another place than where it is "
-        "clamped; "
-        "clamp it where joints hold it, or take `stiffening: foreshortening`",
+        "{}: the body is bent, and held at another place than where it is clamped; clamp it where joints "
+        "hold it, or take `stiffening: foreshortening`",
         m.spec().bodies[static_cast<std::size_t>(b.spec)].name, coordinate_name(m, natural, coordinate));
   }
   return {};

@@ -243,14 +243,11 @@ struct Simulation::Impl {
     using Rule = spec::Simulation::Integrator;
     const bool passes = method.integrator != Rule::rk4 && method.integrator != Rule::dopri853 &&
                         method.integrator != Rule::radau;
-    return !near
-               ? ""
-               : std::string(
-                     "; its loops are close to a singular position there, next to which accelerations "
-                     "are hardly determined") +
-                     (passes
-                          ? ""
-                          : ": generalized_alpha with the formalism index3 (the default) passes through it");
+    if (!near) return {};
+    std::string text =
+        "; its loops are close to a singular position there, where accelerations are hardly determined";
+    if (!passes) text += ": generalized_alpha with the formalism index3 (the default) passes through it";
+    return text;
   }
   std::string find_jumping_law() {
     const auto seen_in = [](const auto& work) {
